@@ -1,0 +1,1 @@
+# holdfast::rendering: filled with the GL context.

@@ -1,0 +1,15 @@
+/// Everything of the core: needs Eigen and the standard library alone.
+///
+/// The optional components have umbrellas of their own: holdfast/io/io.hpp, holdfast/rendering/rendering.hpp,
+/// holdfast/scene/scene.hpp, holdfast/interop/glm.hpp.
+#pragma once
+
+#include <holdfast/assert.hpp>
+#include <holdfast/frames/frames.hpp>
+#include <holdfast/geometry/geometry.hpp>
+#include <holdfast/motion/motions.hpp>
+#include <holdfast/optics/optics.hpp>
+#include <holdfast/prediction/prediction.hpp>
+#include <holdfast/registration/registration.hpp>
+#include <holdfast/timing/timing.hpp>
+#include <holdfast/tracking/tracking.hpp>

@@ -1,0 +1,157 @@
+/// What a registration experiment is told and what it answers: settings, one record per frame, one row of results.
+///
+/// Source: evaluation.md, "Metrics" and "Default experiments". Units are in the member names; frames: W world, H head,
+/// E eye. A number that has no meaning for an experiment (overshoot of a motion that never stops) is an empty optional,
+/// in JSON null.
+#pragma once
+
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <holdfast/geometry/rigid.hpp>
+#include <holdfast/optics/hmd.hpp>
+#include <holdfast/registration/scene_fiducials.hpp>
+#include <holdfast/timing/clock.hpp>
+
+namespace holdfast {
+
+/// The pipelines of evaluation.md. P0 shows the newest measured pose, P1 extrapolates it at constant velocity.
+enum class Pipeline { p0, p1, p2, p3, p4, p5, p6 };
+
+[[nodiscard]] constexpr std::string_view name_of(Pipeline pipeline) {
+  constexpr std::string_view names[] = {"P0", "P1", "P2", "P3", "P4", "P5", "P6"};
+  return names[static_cast<std::size_t>(pipeline)];
+}
+/// Nothing when there is no such pipeline.
+[[nodiscard]] constexpr std::optional<Pipeline> parse_pipeline(std::string_view name) {
+  for (int i = 0; i <= static_cast<int>(Pipeline::p6); ++i) {
+    if (name == name_of(static_cast<Pipeline>(i))) return static_cast<Pipeline>(i);
+  }
+  return std::nullopt;
+}
+[[nodiscard]] constexpr bool is_available(Pipeline pipeline) {
+  return pipeline == Pipeline::p0 || pipeline == Pipeline::p1;
+}
+
+/// Where P1's velocity comes from: the motion's own derivative, as an ideal rate gyro's (generated motions), or the
+/// causal difference of two poses (recordings: their spline looks ahead, so its derivative would be a prophet's).
+enum class VelocitySource { exact, backward_difference };
+
+struct ExperimentSettings {
+  std::string motion_name = "M1";  ///< "M0".."M8" choose the values that theory demands; any other name has none
+  Pipeline pipeline = Pipeline::p0;
+  EyeSide eye = EyeSide::left;
+  LensMode lens = LensMode::none;
+  Duration latency = std::chrono::milliseconds(60);  ///< from the tracker's measurement to the middle of scan-out
+  HmdModel hmd = default_hmd();                      ///< its timing says whether scan-out is global or rolling
+  std::optional<HmdModel> believed_hmd;              ///< what the renderer believes the HMD to be; nothing: the truth
+  VelocitySource velocity = VelocitySource::exact;
+  Duration velocity_baseline = std::chrono::microseconds(16700);  ///< between the two poses of the backward difference
+  std::size_t frames = 0;                                         ///< 0: as many as the motion lasts
+  std::size_t first_frame = 0;                                    ///< frames left out at the start, besides the warm-up
+};
+
+/// One fiducial in one frame, as the eye sees it. Pixels: origin lower left, pixel centres at half integers.
+struct FiducialRecord {
+  std::size_t disc = 0;  ///< index into RegistrationScene::discs
+  bool visible = false;  ///< both images lie wholly inside the picture; what follows is meaningful only then
+  Vector2 c_real = Vector2::Zero();
+  Vector2 c_virtual = Vector2::Zero();
+  Vector2 error_px = Vector2::Zero();   ///< c_virtual - c_real
+  Vector2 error_rad = Vector2::Zero();  ///< right and up, angle between the two rays (metrics.hpp)
+  double error_arcmin = 0.0;            ///< length of error_rad
+  double error_mm = 0.0;                ///< the same at the fiducial's depth (metrics.hpp)
+};
+
+struct FrameRecord {
+  std::size_t index = 0;
+  HostTime t_display;   ///< middle of scan-out
+  HostTime t_measured;  ///< time of the pose that the pipeline started from: t_display - latency
+  Rigid X_WH_true;      ///< at t_display
+  Rigid X_WH_displayed;
+  Rigid X_WE_true;  ///< the eye of the settings, with the true HMD
+  Rigid X_WE_displayed;
+  std::vector<FiducialRecord> fiducials;  ///< one per disc of the scene, in its order
+  std::size_t visible = 0;
+  // Over the visible fiducials; nothing when there are none.
+  std::optional<double> rms_px, rms_arcmin, rms_mm;
+  std::optional<double> swim_rms_deg_s;  ///< needs fiducials visible in this frame and the one before
+  // Of the poses alone, whatever is in view.
+  double yaw_error_arcmin = 0.0;  ///< about the head's own up axis, displayed against true, signed (left positive)
+  double orientation_error_arcmin = 0.0;  ///< angle between the two orientations
+  double position_error_mm = 0.0;
+  std::optional<double> scan_skew_arcmin;  ///< tilt of the virtual against the real vertical edge, top to bottom
+};
+
+/// Called after each frame; t, poses and errors are complete. The record lives until the callback returns.
+using FrameObserver = std::function<void(const FrameRecord&)>;
+
+struct RegistrationSummary {
+  double rms_px = 0.0, mean_px = 0.0, p50_px = 0.0, p95_px = 0.0, p99_px = 0.0, peak_px = 0.0;
+  double rms_arcmin = 0.0, peak_arcmin = 0.0, rms_mm = 0.0;
+};
+
+struct SwimSummary {
+  double rms_px_s = 0.0, peak_px_s = 0.0, rms_deg_s = 0.0, peak_deg_s = 0.0;
+};
+
+/// Of the head's pose alone: what the values of theory speak of.
+struct PoseErrorSummary {
+  double peak_yaw_arcmin = 0.0, peak_orientation_arcmin = 0.0, rms_orientation_arcmin = 0.0, peak_position_mm = 0.0;
+  double peak_swim_deg_s = 0.0;  ///< largest rate at which the orientation error changes
+};
+
+/// A number that theory demands beside what was measured.
+struct ExpectedValue {
+  std::string name;  ///< of the measured column, for example "peak_yaw_arcmin"
+  double expected = 0.0;
+  double tolerance = 0.0;  ///< absolute
+  double measured = 0.0;
+
+  [[nodiscard]] bool holds() const { return std::abs(measured - expected) <= tolerance; }
+};
+
+enum class Verdict { pass, warn, fail, none };
+
+[[nodiscard]] constexpr std::string_view name_of(Verdict verdict) {
+  constexpr std::string_view names[] = {"pass", "warn", "fail", "none"};
+  return names[static_cast<std::size_t>(verdict)];
+}
+
+/// One row of the JSON contract "holdfast/run/1".
+struct ExperimentRow {
+  std::string motion;
+  Pipeline pipeline = Pipeline::p0;
+  EyeSide eye = EyeSide::left;
+  LensMode lens = LensMode::none;
+  double latency_ms = 0.0;
+  ScanOut display = ScanOut::global;
+  std::size_t frames = 0;
+  std::optional<RegistrationSummary> registration;  ///< nothing when no fiducial was ever in view
+  std::optional<SwimSummary> swim;
+  PoseErrorSummary pose;
+  std::optional<double> effective_latency_ms, effective_latency_uncertainty_ms;
+  std::optional<double> jitter_arcmin;     ///< head still: standard deviation; moving: 3-12 Hz RMS
+  std::optional<double> overshoot_arcmin;  ///< motions that stop only
+  std::optional<double> scan_skew_arcmin;  ///< rolling scan-out: largest size over the frames that show the edge
+  std::optional<double> coverage_missing_pct, disocclusion_pct, picture_vs_theory_px;
+  std::vector<ExpectedValue> expected;  ///< empty: theory demands nothing of this row
+  Verdict verdict = Verdict::none;
+};
+
+enum class ExperimentStatus { ok, not_available_yet, motion_too_short, bad_settings };
+
+struct ExperimentResult {
+  ExperimentStatus status = ExperimentStatus::ok;
+  std::string problem;  ///< in words, when the status is not ok
+  ExperimentRow row;
+};
+
+}  // namespace holdfast

@@ -1,0 +1,10 @@
+/// Everything of optics: fields of view, projections, lenses, eyes and headsets.
+#pragma once
+
+#include <holdfast/optics/eye.hpp>
+#include <holdfast/optics/hmd.hpp>
+#include <holdfast/optics/lens.hpp>
+#include <holdfast/optics/polynomial_lens.hpp>
+#include <holdfast/optics/projection.hpp>
+#include <holdfast/optics/radial_lens.hpp>
+#include <holdfast/optics/tangents.hpp>

@@ -19,6 +19,6 @@ configure_package_config_file(cmake/holdfastConfig.cmake.in "${PROJECT_BINARY_DI
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/holdfastConfigVersion.cmake" COMPATIBILITY SameMinorVersion
   ARCH_INDEPENDENT)
 install(FILES "${PROJECT_BINARY_DIR}/holdfastConfig.cmake" "${PROJECT_BINARY_DIR}/holdfastConfigVersion.cmake"
-  DESTINATION "${HOLDFAST_PACKAGE_DIR}")
+  cmake/HoldfastFindGl.cmake DESTINATION "${HOLDFAST_PACKAGE_DIR}")
 install(DIRECTORY assets/ DESTINATION "${CMAKE_INSTALL_DATADIR}/holdfast")
 install(FILES LICENSE DESTINATION "${CMAKE_INSTALL_DOCDIR}")

@@ -1,0 +1,5 @@
+/// Everything of tracking/.
+#pragma once
+
+#include <holdfast/tracking/backward_difference.hpp>
+#include <holdfast/tracking/pose_estimate.hpp>

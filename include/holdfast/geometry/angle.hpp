@@ -40,20 +40,42 @@ class Angle {
   double radians_ = 0.0;
 };
 
-[[nodiscard]] constexpr Angle radians(double value) { return Angle::from_radians(value); }
-[[nodiscard]] constexpr Angle degrees(double value) { return Angle::from_radians(value * (std::numbers::pi / 180.0)); }
-[[nodiscard]] constexpr Angle arcmin(double value) { return degrees(value / 60.0); }
+[[nodiscard]] constexpr Angle radians(double value) {
+  return Angle::from_radians(value);
+}
+[[nodiscard]] constexpr Angle degrees(double value) {
+  return Angle::from_radians(value * (std::numbers::pi / 180.0));
+}
+[[nodiscard]] constexpr Angle arcmin(double value) {
+  return degrees(value / 60.0);
+}
 
-[[nodiscard]] inline double sin(Angle a) { return std::sin(a.radians()); }
-[[nodiscard]] inline double cos(Angle a) { return std::cos(a.radians()); }
-[[nodiscard]] inline double tan(Angle a) { return std::tan(a.radians()); }
+[[nodiscard]] inline double sin(Angle a) {
+  return std::sin(a.radians());
+}
+[[nodiscard]] inline double cos(Angle a) {
+  return std::cos(a.radians());
+}
+[[nodiscard]] inline double tan(Angle a) {
+  return std::tan(a.radians());
+}
 
 namespace literals {
-constexpr Angle operator""_deg(long double value) { return degrees(static_cast<double>(value)); }
-constexpr Angle operator""_deg(unsigned long long value) { return degrees(static_cast<double>(value)); }
-constexpr Angle operator""_rad(long double value) { return radians(static_cast<double>(value)); }
-constexpr Angle operator""_arcmin(long double value) { return arcmin(static_cast<double>(value)); }
-constexpr Angle operator""_arcmin(unsigned long long value) { return arcmin(static_cast<double>(value)); }
+constexpr Angle operator""_deg(long double value) {
+  return degrees(static_cast<double>(value));
+}
+constexpr Angle operator""_deg(unsigned long long value) {
+  return degrees(static_cast<double>(value));
+}
+constexpr Angle operator""_rad(long double value) {
+  return radians(static_cast<double>(value));
+}
+constexpr Angle operator""_arcmin(long double value) {
+  return arcmin(static_cast<double>(value));
+}
+constexpr Angle operator""_arcmin(unsigned long long value) {
+  return arcmin(static_cast<double>(value));
+}
 }  // namespace literals
 
 }  // namespace holdfast

@@ -1,8 +1,8 @@
 /// Rigid transform X_AB: the pose of frame B in frame A, p_A = X_AB * p_B = R_AB p_B + p_AB.
 ///
 /// Neighbouring letters match: X_AC = X_AB * X_BC. Lengths in metres. The notation is Robinett & Holloway's T_A_B
-/// (course 11, section 3) without scale; with scale see vqs.hpp. The rotation is a unit quaternion: constructors normalise,
-/// and a zero or non-finite quaternion is refused by `make`.
+/// (course 11, section 3) without scale; with scale see vqs.hpp. The rotation is a unit quaternion: constructors
+/// normalise, and a zero or non-finite quaternion is refused by `make`.
 #pragma once
 
 #include <cmath>
@@ -33,6 +33,19 @@ class RigidTransform {
     const Scalar n2 = q_AB.squaredNorm();
     if (!(n2 > Scalar(0.25) && n2 < Scalar(4)) || !p_AB.allFinite()) return std::nullopt;
     return RigidTransform(q_AB, p_AB);
+  }
+
+  /// From a 4x4 matrix of rotation and translation; nothing when it holds anything else (an element off by more than
+  /// `tolerance`) or a number that is not finite. A matrix with scale is a VqsTransform.
+  [[nodiscard]] static std::optional<RigidTransform> from_matrix(const Matrix4& M_AB,
+                                                                 Scalar tolerance = so3::rotation_tolerance<Scalar>()) {
+    const MatrixOf<Scalar, 3> R_AB = M_AB.template topLeftCorner<3, 3>();
+    const VectorOf<Scalar, 4> last_row = M_AB.row(3).transpose();
+    if (!M_AB.allFinite() || !so3::is_rotation<Scalar>(R_AB, tolerance) ||
+        (last_row - VectorOf<Scalar, 4>(0, 0, 0, 1)).cwiseAbs().maxCoeff() > tolerance) {
+      return std::nullopt;
+    }
+    return RigidTransform(Quaternion(R_AB), M_AB.template topRightCorner<3, 1>());
   }
 
   [[nodiscard]] static RigidTransform translation(const Vector3& p_AB) {
@@ -75,8 +88,8 @@ class RigidTransform {
 
   template <typename Other>
   [[nodiscard]] RigidTransform<Other> cast() const {
-    return RigidTransform<Other>(
-        QuaternionOf<Other>(Other(q_.w()), Other(q_.x()), Other(q_.y()), Other(q_.z())), p_.template cast<Other>());
+    return RigidTransform<Other>(QuaternionOf<Other>(Other(q_.w()), Other(q_.x()), Other(q_.y()), Other(q_.z())),
+                                 p_.template cast<Other>());
   }
 
  private:
@@ -90,8 +103,8 @@ class RigidTransform {
 using Rigid = RigidTransform<double>;
 using Rigidf = RigidTransform<float>;
 
-/// Interpolates position linearly and rotation at a constant rate by the shorter way; s = 0 gives a, s = 1 gives b, and s outside
-/// [0, 1] extrapolates.
+/// Interpolates position linearly and rotation at a constant rate by the shorter way; s = 0 gives a, s = 1 gives b, and
+/// s outside [0, 1] extrapolates.
 template <typename Scalar>
 [[nodiscard]] RigidTransform<Scalar> interpolate(const RigidTransform<Scalar>& a, const RigidTransform<Scalar>& b,
                                                  std::type_identity_t<Scalar> s) {

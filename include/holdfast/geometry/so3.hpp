@@ -1,11 +1,11 @@
 /// The rotation group SO(3): exponential and logarithm of rotation vectors, with their Jacobians.
 ///
-/// A rotation vector phi (rad) has the rotation's axis for its direction and its angle for its length. With ^ the cross-product
-/// matrix, exp(phi) = I + sin(a)/a phi^ + (1 - cos(a))/a^2 phi^^2, a = |phi| (Rodrigues).
-/// Jacobians name the side on which the perturbation acts:
+/// A rotation vector phi (rad) has the rotation's axis for its direction and its angle for its length. With ^ the
+/// cross-product matrix, exp(phi) = I + sin(a)/a phi^ + (1 - cos(a))/a^2 phi^^2, a = |phi| (Rodrigues). Jacobians name
+/// the side on which the perturbation acts:
 ///   exp(phi + d) = exp(J_left(phi) d) exp(phi) = exp(phi) exp(J_right(phi) d)         to first order in d.
-/// Sources: Barfoot, State Estimation for Robotics, 7.1; Sola et al., A micro Lie theory for state estimation, eqs 143-146.
-/// Bad input: nothing is checked; non-finite in gives non-finite out.
+/// Sources: Barfoot, State Estimation for Robotics, 7.1; Sola et al., A micro Lie theory for state estimation, eqs
+/// 143-146. Bad input: nothing is checked; non-finite in gives non-finite out.
 #pragma once
 
 #include <cmath>
@@ -70,7 +70,8 @@ template <typename Scalar>
   return QuaternionOf<Scalar>(std::cos(a / Scalar(2)), k * phi.x(), k * phi.y(), k * phi.z());
 }
 
-/// Rotation vector (rad, length in [0, pi]) of a unit quaternion; q and -q give the same. At exactly pi either axis sign is right.
+/// Rotation vector (rad, length in [0, pi]) of a unit quaternion; q and -q give the same. At exactly pi either axis
+/// sign is right.
 template <typename Scalar>
 [[nodiscard]] VectorOf<Scalar, 3> log(const QuaternionOf<Scalar>& q) {
   const Scalar sign = q.w() < Scalar(0) ? Scalar(-1) : Scalar(1);
@@ -78,7 +79,8 @@ template <typename Scalar>
   const Scalar w = sign * q.w();
   const Scalar n = v.norm();
   // atan2 is accurate at both ends, where acos(w) loses half the digits.
-  const Scalar k = n < Scalar(1e-3) * w ? Scalar(2) / w * (Scalar(1) - n * n / (Scalar(3) * w * w))
+  const Scalar t2 = (n * n) / (w * w);  // tan^2 of half the angle
+  const Scalar k = n < Scalar(1e-3) * w ? Scalar(2) / w * (Scalar(1) - t2 / Scalar(3) + t2 * t2 / Scalar(5))
                                         : Scalar(2) * std::atan2(n, w) / n;
   return k * v;
 }
@@ -121,13 +123,29 @@ template <typename Scalar>
   return left_jacobian_inverse<Scalar>(-phi);
 }
 
-/// Angle (rad, in [0, pi]) of the rotation that carries a into b. (001 section 5.3 prints 2 cos(q_w); it is 2 acos(|q_w|).)
+/// Whether M is a rotation matrix: finite, M M^T = I within `tolerance` in every element, and no mirror image.
+template <typename Scalar>
+[[nodiscard]] bool is_rotation(const MatrixOf<Scalar, 3>& M, Scalar tolerance) {
+  if (!M.allFinite()) return false;
+  const MatrixOf<Scalar, 3> deviation = M * M.transpose() - MatrixOf<Scalar, 3>::Identity();
+  return deviation.cwiseAbs().maxCoeff() <= tolerance && M.determinant() > Scalar(0);
+}
+
+/// Tolerance of is_rotation for matrices that went through arithmetic or a text file of 7 digits.
+template <typename Scalar>
+constexpr Scalar rotation_tolerance() {
+  return sizeof(Scalar) == sizeof(float) ? Scalar(1e-5) : Scalar(1e-6);
+}
+
+/// Angle (rad, in [0, pi]) of the rotation that carries a into b. (001 section 5.3 prints 2 cos(q_w); it is 2
+/// acos(|q_w|).)
 template <typename Scalar>
 [[nodiscard]] Scalar angle_between(const QuaternionOf<Scalar>& a, const QuaternionOf<Scalar>& b) {
   return log<Scalar>(a.conjugate() * b).norm();
 }
 
-/// exp(s log(b a^-1)) a: constant-rate interpolation by the shorter way; s outside [0, 1] extrapolates at the same rate.
+/// exp(s log(b a^-1)) a: constant-rate interpolation by the shorter way; s outside [0, 1] extrapolates at the same
+/// rate.
 template <typename Scalar>
 [[nodiscard]] QuaternionOf<Scalar> interpolate(const QuaternionOf<Scalar>& a, const QuaternionOf<Scalar>& b, Scalar s) {
   const VectorOf<Scalar, 3> step = s * log<Scalar>(a.conjugate() * b);

@@ -1,8 +1,8 @@
 /// Fixed-size vectors, matrices and quaternions of the public interface.
 ///
-/// All are unaligned (Eigen::DontAlign), so that a struct of them has the same layout in a translation unit built for SSE and in
-/// one built for AVX, and may be held in any container. Quaternions are Hamilton's; their members are named (x, y, z, w) and are
-/// always passed by name, never by memory order.
+/// All are unaligned (Eigen::DontAlign), so that a struct of them has the same layout in a translation unit built for
+/// SSE and in one built for AVX, and may be held in any container. Quaternions are Hamilton's; their members are named
+/// (x, y, z, w) and are always passed by name, never by memory order.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,8 +12,11 @@ namespace holdfast {
 
 template <typename Scalar, int Rows>
 using VectorOf = Eigen::Matrix<Scalar, Rows, 1, Eigen::DontAlign>;
+/// Column-major, but for a single row, which Eigen wants row-major.
 template <typename Scalar, int Rows, int Columns = Rows>
-using MatrixOf = Eigen::Matrix<Scalar, Rows, Columns, Eigen::DontAlign>;
+using MatrixOf =
+    Eigen::Matrix<Scalar, Rows, Columns,
+                  int(Eigen::DontAlign) | int(Rows == 1 && Columns != 1 ? Eigen::RowMajor : Eigen::ColMajor)>;
 template <typename Scalar>
 using QuaternionOf = Eigen::Quaternion<Scalar, Eigen::DontAlign>;
 

@@ -1,8 +1,8 @@
 /// VQS transform T_AB (vector, unit quaternion, scale): p_A = T_AB * p_B = s (q p_B q^-1) + v.
 ///
-/// Source: Robinett & Holloway 1994, *The Visual Display Transformation for Virtual Reality*, section 4 (course 11): translation,
-/// rotation and uniform scale, closed under composition and inversion. T_AC = T_AB * T_BC. The scan garbles the quaternion
-/// product; Hamilton's is meant. v in units of A; s > 0 is units of A per unit of B.
+/// Source: Robinett & Holloway 1994, *The Visual Display Transformation for Virtual Reality*, section 4 (course 11):
+/// translation, rotation and uniform scale, closed under composition and inversion. T_AC = T_AB * T_BC. The scan
+/// garbles the quaternion product; Hamilton's is meant. v in units of A; s > 0 is units of A per unit of B.
 #pragma once
 
 #include <cmath>
@@ -21,7 +21,8 @@ class VqsTransform {
   using Matrix4 = MatrixOf<Scalar, 4>;
 
   VqsTransform() : q_(Quaternion::Identity()), v_(Vector3::Zero()), s_(Scalar(1)) {}
-  /// Preconditions: q finite and not zero (normalised here), s finite and positive. For input that may be bad use `make`.
+  /// Preconditions: q finite and not zero (normalised here), s finite and positive. For input that may be bad use
+  /// `make`.
   VqsTransform(const Vector3& v_AB, const Quaternion& q_AB, Scalar s_AB) : q_(q_AB.normalized()), v_(v_AB), s_(s_AB) {
     HOLDFAST_ASSERT(q_.coeffs().allFinite() && q_AB.squaredNorm() > Scalar(0), "quaternion is zero or not finite");
     HOLDFAST_ASSERT(std::isfinite(s_) && s_ > Scalar(0), "scale is not a positive number");
@@ -37,20 +38,19 @@ class VqsTransform {
     return VqsTransform(v_AB, q_AB, s_AB);
   }
 
-  /// From a 4x4 matrix of rotation, uniform scale and translation; nothing when it has shear, mirror image, unequal scales
-  /// (relative deviation above `tolerance`), projection, or numbers that are not finite.
-  [[nodiscard]] static std::optional<VqsTransform> from_matrix(const Matrix4& M_AB, Scalar tolerance = Scalar(1e-6)) {
+  /// From a 4x4 matrix of rotation, uniform scale and translation; nothing when it has shear, mirror image, unequal
+  /// scales (relative deviation above `tolerance`), projection, or numbers that are not finite.
+  [[nodiscard]] static std::optional<VqsTransform> from_matrix(const Matrix4& M_AB,
+                                                               Scalar tolerance = so3::rotation_tolerance<Scalar>()) {
     if (!M_AB.allFinite()) return std::nullopt;
     const MatrixOf<Scalar, 3> A = M_AB.template topLeftCorner<3, 3>();
     const Scalar det = A.determinant();
     if (!(det > Scalar(0))) return std::nullopt;
     const Scalar s = std::cbrt(det);
     const MatrixOf<Scalar, 3> R = A / s;
-    const MatrixOf<Scalar, 3> deviation = R * R.transpose() - MatrixOf<Scalar, 3>::Identity();
-    const VectorOf<Scalar, 4> last = M_AB.row(3).transpose();
-    if (deviation.cwiseAbs().maxCoeff() > tolerance || !last.isApprox(VectorOf<Scalar, 4>(0, 0, 0, 1), tolerance)) {
-      return std::nullopt;
-    }
+    if (!std::isfinite(s) || !so3::is_rotation<Scalar>(R, tolerance)) return std::nullopt;
+    const VectorOf<Scalar, 4> last_row = M_AB.row(3).transpose();
+    if ((last_row - VectorOf<Scalar, 4>(0, 0, 0, 1)).cwiseAbs().maxCoeff() > tolerance) return std::nullopt;
     return VqsTransform(M_AB.template topRightCorner<3, 1>(), Quaternion(R), s);
   }
 
@@ -87,6 +87,12 @@ class VqsTransform {
   /// The same pose without the scale: X_AB with B's axes and origin, in units of A.
   [[nodiscard]] RigidTransform<Scalar> rigid() const { return RigidTransform<Scalar>(q_, v_); }
 
+  template <typename Other>
+  [[nodiscard]] VqsTransform<Other> cast() const {
+    const RigidTransform<Other> X = rigid().template cast<Other>();
+    return VqsTransform<Other>(X.p(), X.q(), Other(s_));
+  }
+
   [[nodiscard]] bool is_finite() const { return q_.coeffs().allFinite() && v_.allFinite() && std::isfinite(s_); }
 
  private:
@@ -101,7 +107,8 @@ class VqsTransform {
 using Vqs = VqsTransform<double>;
 using Vqsf = VqsTransform<float>;
 
-/// Interpolates the vector linearly, the rotation at a constant rate, the scale at a constant ratio; s = 0 gives a, 1 gives b.
+/// Interpolates the vector linearly, the rotation at a constant rate, the scale at a constant ratio; s = 0 gives a, 1
+/// gives b.
 template <typename Scalar>
 [[nodiscard]] VqsTransform<Scalar> interpolate(const VqsTransform<Scalar>& a, const VqsTransform<Scalar>& b,
                                                std::type_identity_t<Scalar> s) {

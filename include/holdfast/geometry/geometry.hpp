@@ -1,0 +1,13 @@
+/// All of holdfast's geometry: transforms, angles, rays, planes, homographies, alignment.
+#pragma once
+
+#include <holdfast/geometry/align.hpp>
+#include <holdfast/geometry/align_poses.hpp>
+#include <holdfast/geometry/angle.hpp>
+#include <holdfast/geometry/homography.hpp>
+#include <holdfast/geometry/numeric_jacobian.hpp>
+#include <holdfast/geometry/rays_planes.hpp>
+#include <holdfast/geometry/rigid.hpp>
+#include <holdfast/geometry/so3.hpp>
+#include <holdfast/geometry/types.hpp>
+#include <holdfast/geometry/vqs.hpp>

@@ -1,9 +1,9 @@
 /// A motion written as a formula of time: three angles and a position, with exact derivatives.
 ///
-/// R_WB = R_y(yaw) R_x(pitch) R_z(roll): yaw about the world's up, then pitch about the head's right, then roll about the head's
-/// back (+Z). Angles in radians, position in metres in W; all zero looks along -Z. The angular velocity follows from the angles'
-/// rates, joint by joint: w_WB_B = R_z^T (R_x^T yaw' e_y + pitch' e_x) + roll' e_z, and alpha_WB_B by differentiating that.
-/// Bad input: a formula that yields a non-finite number is the author's error.
+/// R_WB = R_y(yaw) R_x(pitch) R_z(roll): yaw about the world's up, then pitch about the head's right, then roll about
+/// the head's back (+Z). Angles in radians, position in metres in W; all zero looks along -Z. The angular velocity
+/// follows from the angles' rates, joint by joint: w_WB_B = R_z^T (R_x^T yaw' e_y + pitch' e_x) + roll' e_z, and
+/// alpha_WB_B by differentiating that. Bad input: a formula that yields a non-finite number is the author's error.
 #pragma once
 
 #include <functional>
@@ -22,7 +22,8 @@ struct HeadCurve {
 
 namespace detail {
 
-/// Adds one joint of angle q about a unit axis to the chain: the rates so far, seen from behind the joint, and the joint's own.
+/// Adds one joint of angle q about a unit axis to the chain: the rates so far, seen from behind the joint, and the
+/// joint's own.
 inline void append_joint(const Jet& angle, const Vector3& axis, Quaternion& q, Vector3& w, Vector3& alpha) {
   const Vector3 rotation = axis * angle.value;
   const Quaternion joint = so3::exp<double>(rotation);

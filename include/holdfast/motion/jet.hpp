@@ -1,8 +1,8 @@
 /// A scalar function of time at one moment: its value and its first two derivatives.
 ///
 /// Arithmetic follows the product and chain rules, so that a motion written once as a formula yields exact velocity and
-/// acceleration (truncated Taylor series, forward differentiation). Time itself is Jet::time(t) = {t, 1, 0}; a plain number is
-/// constant. Units: value u, rate u/s, acceleration u/s^2.
+/// acceleration (truncated Taylor series, forward differentiation). Time itself is Jet::time(t) = {t, 1, 0}; a plain
+/// number is constant. Units: value u, rate u/s, acceleration u/s^2.
 #pragma once
 
 #include <cmath>
@@ -27,7 +27,9 @@ struct Jet {
 [[nodiscard]] constexpr Jet operator-(const Jet& a, const Jet& b) {
   return {a.value - b.value, a.rate - b.rate, a.acceleration - b.acceleration};
 }
-[[nodiscard]] constexpr Jet operator-(const Jet& a) { return Jet(0.0) - a; }
+[[nodiscard]] constexpr Jet operator-(const Jet& a) {
+  return Jet(0.0) - a;
+}
 [[nodiscard]] constexpr Jet operator*(const Jet& a, const Jet& b) {
   return {a.value * b.value, a.rate * b.value + a.value * b.rate,
           a.acceleration * b.value + 2.0 * a.rate * b.rate + a.value * b.acceleration};
@@ -82,8 +84,8 @@ namespace detail {
   return angle;
 }
 
-/// Goes from 0 to 1 while s goes from 0 to 1, with rate and acceleration zero at both ends and constant outside: 6s^5 - 15s^4 +
-/// 10s^3.
+/// Goes from 0 to 1 while s goes from 0 to 1, with rate and acceleration zero at both ends and constant outside: 6s^5 -
+/// 15s^4 + 10s^3.
 [[nodiscard]] inline Jet smooth_step(const Jet& s) {
   if (s.value <= 0.0) return 0.0;
   if (s.value >= 1.0) return 1.0;

@@ -1,8 +1,8 @@
 /// The interface of every motion whose truth is known at any time: recordings, splines and generators.
 ///
-/// Frames: W is the world (right-handed, +Y up), B the moving body. v_WB and a_WB are velocity and acceleration of B's origin in W,
-/// expressed in W (m/s, m/s^2). w_WB_B and alpha_WB_B are B's angular velocity and angular acceleration against W, expressed in B
-/// (rad/s, rad/s^2): d/dt R_WB = R_WB hat(w_WB_B) and alpha_WB_B = d/dt w_WB_B.
+/// Frames: W is the world (right-handed, +Y up), B the moving body. v_WB and a_WB are velocity and acceleration of B's
+/// origin in W, expressed in W (m/s, m/s^2). w_WB_B and alpha_WB_B are B's angular velocity and angular acceleration
+/// against W, expressed in B (rad/s, rad/s^2): d/dt R_WB = R_WB hat(w_WB_B) and alpha_WB_B = d/dt w_WB_B.
 #pragma once
 
 #include <algorithm>

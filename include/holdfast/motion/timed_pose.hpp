@@ -1,7 +1,7 @@
 /// A pose with the time at which it was true: what recordings are made of.
 ///
-/// X_WB is the pose of the moving body B (the head, a camera, a tracker's rigid body) in the world W, metres; t is on the host's
-/// clock, int64 nanoseconds.
+/// X_WB is the pose of the moving body B (the head, a camera, a tracker's rigid body) in the world W, metres; t is on
+/// the host's clock, int64 nanoseconds.
 #pragma once
 
 #include <holdfast/geometry/rigid.hpp>

@@ -35,7 +35,7 @@ elseif(MODE STREQUAL "fetch_content")
 elseif(MODE STREQUAL "no_gl")
   # As on a machine where no GL library can be found: rendering and scene are left out and said to be, the rest builds.
   run("${CMAKE_COMMAND}" -S "${consumer}" -B "${scratch}/build" ${common} -DHOLDFAST_SOURCE=${HOLDFAST_SOURCE}
-    -DHOLDFAST_PRETEND_NO_GL=ON "-DWANTED=core;io;glm")
+    -DCMAKE_DISABLE_FIND_PACKAGE_OpenGL=ON "-DWANTED=core;io;glm")
   if(NOT run_output MATCHES "holdfast::rendering left out")
     message(FATAL_ERROR "configuring without GL did not say that rendering was left out:\n${run_output}")
   endif()

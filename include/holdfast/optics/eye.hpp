@@ -162,6 +162,20 @@ struct EyeModel {
   return tangent ? std::optional<Vector2>(pixel_of_tangent(eye, *tangent)) : std::nullopt;
 }
 
+/// The field that the whole panel fills as the eye sees it through the lens: the tangents at which the middles of the
+/// panel's edges (level with the lens's centre) are seen. Nothing when the lens folds over before an edge.
+[[nodiscard]] inline std::optional<FieldTangents> seen_field(const EyeModel& eye, Color color = Color::green) {
+  const Lens& lens = eye.lens_of(color);
+  const Vector2 c = cubic_inverse(lens).centre;
+  const FieldTangents& t = eye.tangents;
+  const auto left = distort(lens, Vector2(t.left, c.y()));
+  const auto right = distort(lens, Vector2(t.right, c.y()));
+  const auto down = distort(lens, Vector2(c.x(), t.down));
+  const auto up = distort(lens, Vector2(c.x(), t.up));
+  if (!left || !right || !down || !up) return std::nullopt;
+  return FieldTangents{left->x(), right->x(), down->y(), up->y()};
+}
+
 /// The ideal pixel that a panel pixel shows: the inverse of drawn_pixel, the look-up of a predistortion warp.
 [[nodiscard]] inline std::optional<Vector2> ideal_pixel_at_panel(const EyeModel& eye, LensMode mode,
                                                                  const Vector2& panel, Color color = Color::green) {

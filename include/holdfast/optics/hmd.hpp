@@ -45,20 +45,30 @@ struct HmdModel {
 
 namespace detail {
 
-/// The lens as seen from an eye for which every panel tangent t has become scale * t + shift.
-[[nodiscard]] inline Lens moved(const Lens& lens, double scale, const Vector2& shift) {
+/// The same lens with its scale times `scale` and its centre where `place` takes it.
+template <typename Place>
+[[nodiscard]] Lens placed(const Lens& lens, double scale, const Place& place) {
   return std::visit(
       [&](const auto& l) -> Lens {
         using L = std::decay_t<decltype(l)>;
         if constexpr (std::is_same_v<L, RadialLens>) {
-          return RadialLens{l.k, l.r_norm * scale, l.centre * scale + shift, l.k_pd};
+          return RadialLens{l.k, l.r_norm * scale, place(l.centre), l.k_pd};
         } else if constexpr (std::is_same_v<L, PolynomialLens>) {
-          return PolynomialLens(l.coefficients(), l.r_norm() * scale, l.centre() * scale + shift, l.k_pd());
+          return PolynomialLens(l.coefficients(), l.r_norm() * scale, place(l.centre()), l.k_pd());
         } else {
           return l;
         }
       },
       lens);
+}
+
+/// The lens as seen from an eye for which every panel tangent t has become scale * t + shift.
+[[nodiscard]] inline Lens moved(const Lens& lens, double scale, const Vector2& shift) {
+  return placed(lens, scale, [&](const Vector2& centre) { return Vector2(centre * scale + shift); });
+}
+
+[[nodiscard]] inline Lens mirrored(const Lens& lens) {
+  return placed(lens, 1.0, [](const Vector2& centre) { return Vector2(-centre.x(), centre.y()); });
 }
 
 inline void move_optics(EyeModel& eye, double scale, const Vector2& shift) {
@@ -71,6 +81,20 @@ inline void move_optics(EyeModel& eye, double scale, const Vector2& shift) {
 }
 
 }  // namespace detail
+
+/// The other eye of a symmetric headset: everything reflected in the plane between the eyes.
+[[nodiscard]] inline EyeModel mirrored(const EyeModel& eye) {
+  EyeModel other = eye;
+  other.side = eye.side == EyeSide::left ? EyeSide::right : EyeSide::left;
+  const Quaternion& q = eye.X_HE.q();
+  const Vector3& p = eye.X_HE.p();
+  other.X_HE = Rigid(Quaternion(q.w(), q.x(), -q.y(), -q.z()), Vector3(-p.x(), p.y(), p.z()));
+  other.tangents = mirrored(eye.tangents);
+  other.lens = detail::mirrored(eye.lens);
+  if (eye.lens_red) other.lens_red = detail::mirrored(*eye.lens_red);
+  if (eye.lens_blue) other.lens_blue = detail::mirrored(*eye.lens_blue);
+  return other;
+}
 
 /// The headset on a wearer of another IPD. The eyes move; optics that do not follow stay, so that each window's centre
 /// moves against its eye: x_cw = x_H_CW +- IPD/2 (figure 7.3). With a collimated image (image_distance_m infinite)

@@ -1,6 +1,7 @@
 /// Everything of optics: fields of view, projections, lenses, eyes and headsets.
 #pragma once
 
+#include <holdfast/optics/cubic_fit.hpp>
 #include <holdfast/optics/eye.hpp>
 #include <holdfast/optics/hmd.hpp>
 #include <holdfast/optics/lens.hpp>

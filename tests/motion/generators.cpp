@@ -86,7 +86,7 @@ TEST_CASE("derivatives agree with central differences") {
 
 TEST_CASE("acceleration is continuous in the smooth motions, also where pieces meet") {
   for (const char* id : {"M4", "M5", "M6", "M7"}) {
-    CAPTURE(id);
+    CAPTURE(std::string(id));
     const auto motion = make_motion(id, 5);
     for (HostTime t = motion->begin(); t < motion->end(); t += std::chrono::milliseconds(1)) {
       const MotionState s = motion->at(t);
@@ -108,14 +108,14 @@ TEST_CASE("the speeds of walk-around, rotation and swing are those of figure 6 o
                                Wanted{"M6", 2.5 / 0.06, 6.5 / 0.06, 0.0178 / 0.06, 0.046 / 0.06}}) {
     for (std::uint64_t seed : {1u, 2u, 3u, 4u, 5u}) {
       const Speeds speeds = speeds_of(*make_motion(wanted.id, seed));
-      CAPTURE(wanted.id);
+      CAPTURE(std::string(wanted.id));
       CAPTURE(seed);
       MESSAGE(std::string(wanted.id) << " seed " << seed << ": " << speeds.mean_deg_s << " / " << speeds.peak_deg_s
                                      << " deg/s, " << speeds.mean_m_s << " / " << speeds.peak_m_s << " m/s, gaze "
                                      << speeds.widest_gaze_deg << " deg");
       // Seeds change speeds by about a tenth. Peaks of a smooth formula stay below those of a recording with its jerks.
-      CHECK(speeds.mean_deg_s == doctest::Approx(wanted.mean_deg_s).epsilon(0.25));
-      CHECK(speeds.mean_m_s == doctest::Approx(wanted.mean_m_s).epsilon(0.25));
+      CHECK(speeds.mean_deg_s == doctest::Approx(wanted.mean_deg_s).epsilon(0.2));
+      CHECK(speeds.mean_m_s == doctest::Approx(wanted.mean_m_s).epsilon(0.2));
       CHECK(speeds.peak_deg_s > 0.6 * wanted.peak_deg_s);
       CHECK(speeds.peak_deg_s < 1.2 * wanted.peak_deg_s);
       CHECK(speeds.peak_m_s > 0.6 * wanted.peak_m_s);

@@ -92,15 +92,15 @@ inline void add_rotated(HeadCurve& curve, const Vector3& p_B) {
 
 }  // namespace detail
 
-/// Walks slowly on an arc of +-30 deg and 1.2 m radius round the target, once to each side in 10 s, bobbing 12 mm at
+/// Walks slowly on an arc of +-25 deg and 1.2 m radius round the target, once to each side in 10 s, bobbing 12 mm at
 /// the rate of steps (1.8 Hz) and swaying 15 mm at half of it.
 [[nodiscard]] inline std::unique_ptr<Motion> make_walk_around(std::uint64_t seed, Duration duration) {
   detail::SeededNumbers numbers(seed ^ 0x4d34u);
-  const double arc_rad = degrees(30.0).radians() * numbers.between(0.95, 1.05);
+  const double arc_rad = degrees(25.0).radians() * numbers.between(0.95, 1.05);
   const Harmonic bob = numbers.vary(0.012, 1.8);
   const Harmonic sway = numbers.vary(0.015, 0.9);
   const Harmonic lean = numbers.vary(0.06, 0.21);
-  const detail::GazeWander wander(numbers, degrees(5.0));
+  const detail::GazeWander wander(numbers, degrees(6.0));
   return std::make_unique<CurveMotion>(duration, [=](const Jet& t) {
     const Jet around = Harmonic{arc_rad, 0.1, 0.0}.at(t);
     const Jet radius = 1.2 + lean.at(t);
@@ -115,28 +115,30 @@ inline void add_rotated(HeadCurve& curve, const Vector3& p_B) {
 }
 
 /// Stands and turns the head about its neck: yaw in the first third of each 10 s, pitch in the second, circling in the
-/// third, with 0.8 s of smooth change between them. The eyes lie 100 mm above and 130 mm before the neck's pivot.
+/// third, with 1.4 s of smooth change between them. The eyes lie 110 mm above and 150 mm before the neck's pivot.
 [[nodiscard]] inline std::unique_ptr<Motion> make_rotation(std::uint64_t seed, Duration duration) {
   detail::SeededNumbers numbers(seed ^ 0x4d35u);
-  const Harmonic yaw = numbers.vary(degrees(18.0).radians(), 0.52);
+  const Harmonic yaw = numbers.vary(degrees(17.0).radians(), 0.54);
   const Harmonic pitch = numbers.vary(degrees(15.0).radians(), 0.60);
-  const Harmonic circle = numbers.vary(degrees(12.0).radians(), 0.55);
-  const Harmonic hurry = numbers.vary(0.5, 0.23);  // turns are now quicker, now slower
+  const Harmonic circle = numbers.vary(degrees(11.0).radians(), 0.57);
+  const Harmonic hurry = numbers.vary(0.2, 0.23);  // turns are now quicker, now slower
   const detail::GazeWander wander(numbers, degrees(2.0));
   return std::make_unique<CurveMotion>(duration, [=](const Jet& t) {
-    const double cycle = 10.0, third = cycle / 3.0, change = 0.8;
+    const double cycle = 10.0, third = cycle / 3.0, change = 1.4;
     const Jet local = t - cycle * std::floor(t.value / cycle);
     const auto after = [&](double moment) { return smooth_step((local - moment) / Jet(change) + 0.5); };
-    const Jet pitching = after(third), circling = after(2.0 * third), again = after(cycle) + 1.0 - after(0.0);
-    const Jet yaw_weight = again - pitching, pitch_weight = pitching - circling,
-              circle_weight = circling - after(cycle) + 1.0 - after(0.0);
+    // Each weight rises where the one before it falls; the cycle closes smoothly on itself.
+    const Jet yawing = after(0.0), pitching = after(third), circling = after(2.0 * third), next_cycle = after(cycle);
+    const Jet yaw_weight = yawing - pitching + next_cycle;
+    const Jet pitch_weight = pitching - circling;
+    const Jet circle_weight = circling - next_cycle + 1.0 - yawing;
     const Jet hurried = t + hurry.at(t);
     HeadCurve curve;
     curve.yaw = yaw_weight * yaw.at(hurried) + circle_weight * circle.at(hurried);
     const Harmonic quarter_later{circle.amplitude, circle.hz, circle.phase_rad + 0.5 * std::numbers::pi};
     curve.pitch = pitch_weight * pitch.at(hurried) + circle_weight * quarter_later.at(hurried);
     wander.add_to(curve, t);
-    const Vector3 eyes_B(0.0, 0.10, -0.13);  // from the neck's pivot
+    const Vector3 eyes_B(0.0, 0.11, -0.15);  // from the neck's pivot
     curve.y = -eyes_B.y();
     curve.z = -eyes_B.z();
     detail::add_rotated(curve, eyes_B);
@@ -144,14 +146,14 @@ inline void add_rotated(HeadCurve& curve, const Vector3& p_B) {
   });
 }
 
-/// Swings the upper body from side to side (150 mm), up and down and to and fro, and rolls and turns the head with it.
+/// Swings the upper body from side to side (140 mm), up and down and to and fro, and rolls and turns the head with it.
 [[nodiscard]] inline std::unique_ptr<Motion> make_swing(std::uint64_t seed, Duration duration) {
   detail::SeededNumbers numbers(seed ^ 0x4d36u);
-  const Harmonic side = numbers.vary(0.15, 0.45);
+  const Harmonic side = numbers.vary(0.14, 0.45);
   const Harmonic up = numbers.vary(0.04, 0.75);
-  const Harmonic fore = numbers.vary(0.08, 0.37);
+  const Harmonic fore = numbers.vary(0.07, 0.37);
   const Harmonic roll = numbers.vary(degrees(8.0).radians(), 0.45);
-  const Harmonic turn = numbers.vary(degrees(9.0).radians(), 0.62);
+  const Harmonic turn = numbers.vary(degrees(11.0).radians(), 0.62);
   const Harmonic nod = numbers.vary(degrees(5.0).radians(), 0.8);
   const Harmonic hurry = numbers.vary(0.45, 0.19);
   const detail::GazeWander wander(numbers, degrees(2.0));

@@ -7,14 +7,11 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include <holdfast/assert.hpp>
 #include <holdfast/io/image.hpp>
-#include <holdfast/rendering/context.hpp>
+#include <holdfast/rendering/gl_object.hpp>
 
 namespace holdfast::rendering {
 
@@ -28,35 +25,25 @@ class RenderTarget {
   RenderTarget(Context& context, int width, int height, int samples = 1)
       : context_(&context), width_(width), height_(height), samples_(samples) {
     check_arguments();
-    context.make_current();
+    colour_ = make_texture(context, GL_TEXTURE_2D);
+    depth_ = make_texture(context, GL_TEXTURE_2D);
+    resolved_ = make_framebuffer(context);
     const GlFunctions& gl = context.gl();
-    gl.CreateTextures(GL_TEXTURE_2D, 1, &colour_);
-    gl.TextureStorage2D(colour_, 1, GL_RGBA8, width, height);
+    gl.TextureStorage2D(colour_.id(), 1, GL_RGBA8, width, height);
     set_sampling();
-    gl.CreateTextures(GL_TEXTURE_2D, 1, &depth_);
-    gl.TextureStorage2D(depth_, 1, GL_DEPTH_COMPONENT32F, width, height);
-    gl.CreateFramebuffers(1, &resolved_);
-    gl.NamedFramebufferTexture(resolved_, GL_COLOR_ATTACHMENT0, colour_, 0);
-    gl.NamedFramebufferTexture(resolved_, GL_DEPTH_ATTACHMENT, depth_, 0);
+    gl.TextureStorage2D(depth_.id(), 1, GL_DEPTH_COMPONENT32F, width, height);
+    gl.NamedFramebufferTexture(resolved_.id(), GL_COLOR_ATTACHMENT0, colour_.id(), 0);
+    gl.NamedFramebufferTexture(resolved_.id(), GL_DEPTH_ATTACHMENT, depth_.id(), 0);
     if (samples > 1) {
-      gl.CreateRenderbuffers(1, &samples_colour_);
-      gl.NamedRenderbufferStorageMultisample(samples_colour_, samples, GL_RGBA8, width, height);
-      gl.CreateRenderbuffers(1, &samples_depth_);
-      gl.NamedRenderbufferStorageMultisample(samples_depth_, samples, GL_DEPTH_COMPONENT32F, width, height);
-      gl.CreateFramebuffers(1, &drawn_);
-      gl.NamedFramebufferRenderbuffer(drawn_, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, samples_colour_);
-      gl.NamedFramebufferRenderbuffer(drawn_, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, samples_depth_);
+      samples_colour_ = make_renderbuffer(context);
+      samples_depth_ = make_renderbuffer(context);
+      drawn_ = make_framebuffer(context);
+      gl.NamedRenderbufferStorageMultisample(samples_colour_.id(), samples, GL_RGBA8, width, height);
+      gl.NamedRenderbufferStorageMultisample(samples_depth_.id(), samples, GL_DEPTH_COMPONENT32F, width, height);
+      gl.NamedFramebufferRenderbuffer(drawn_.id(), GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, samples_colour_.id());
+      gl.NamedFramebufferRenderbuffer(drawn_.id(), GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, samples_depth_.id());
     }
     check_complete();
-  }
-  RenderTarget(RenderTarget&& other) noexcept { swap(other); }
-  RenderTarget& operator=(RenderTarget&& other) noexcept {
-    swap(other);
-    return *this;
-  }
-  ~RenderTarget() {
-    if (context_ == nullptr) return;
-    release();
   }
 
   [[nodiscard]] int width() const { return width_; }
@@ -91,8 +78,8 @@ class RenderTarget {
   }
 
   /// The resolved picture as a texture (linear filter, clamped to its edge).
-  [[nodiscard]] GLuint colour_texture() const { return colour_; }
-  [[nodiscard]] GLuint draw_framebuffer() const { return samples_ > 1 ? drawn_ : resolved_; }
+  [[nodiscard]] GLuint colour_texture() const { return colour_.id(); }
+  [[nodiscard]] GLuint draw_framebuffer() const { return samples_ > 1 ? drawn_.id() : resolved_.id(); }
 
   /// Resolves and reads the picture into `image`, whose memory is reused when its size fits.
   void read_rgba(io::Image& image) {
@@ -101,7 +88,7 @@ class RenderTarget {
     image.height = height_;
     image.rgba.resize(4 * pixels());
     const GlFunctions& gl = context_->gl();
-    gl.BindFramebuffer(GL_READ_FRAMEBUFFER, resolved_);
+    gl.BindFramebuffer(GL_READ_FRAMEBUFFER, resolved_.id());
     gl.ReadPixels(0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba.data());
     gl.BindFramebuffer(GL_READ_FRAMEBUFFER, draw_framebuffer());
   }
@@ -119,7 +106,7 @@ class RenderTarget {
     if (samples_ > 1) blit(GL_DEPTH_BUFFER_BIT);
     depth.resize(pixels());
     const GlFunctions& gl = context_->gl();
-    gl.BindFramebuffer(GL_READ_FRAMEBUFFER, resolved_);
+    gl.BindFramebuffer(GL_READ_FRAMEBUFFER, resolved_.id());
     gl.ReadPixels(0, 0, width_, height_, GL_DEPTH_COMPONENT, GL_FLOAT, depth.data());
     gl.BindFramebuffer(GL_READ_FRAMEBUFFER, draw_framebuffer());
   }
@@ -146,19 +133,18 @@ class RenderTarget {
 
   void set_sampling() const {
     const GlFunctions& gl = context_->gl();
-    gl.TextureParameteri(colour_, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-    gl.TextureParameteri(colour_, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    gl.TextureParameteri(colour_, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-    gl.TextureParameteri(colour_, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    gl.TextureParameteri(colour_.id(), GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    gl.TextureParameteri(colour_.id(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    gl.TextureParameteri(colour_.id(), GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    gl.TextureParameteri(colour_.id(), GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
   }
 
   void check_complete() {
     const GlFunctions& gl = context_->gl();
-    for (const GLuint framebuffer : {resolved_, draw_framebuffer()}) {
+    for (const GLuint framebuffer : {resolved_.id(), draw_framebuffer()}) {
       const GLenum status = gl.CheckNamedFramebufferStatus(framebuffer, GL_FRAMEBUFFER);
       if (status == GL_FRAMEBUFFER_COMPLETE) continue;
       const GLenum error = gl.GetError();
-      release();
       throw RenderingError("the driver refuses a render target of " + std::to_string(width_) + " x " +
                            std::to_string(height_) + " pixels with " + std::to_string(samples_) + " samples (status " +
                            std::to_string(status) + ", " + gl_error_name(error) + ")");
@@ -168,37 +154,13 @@ class RenderTarget {
   void blit(GLbitfield what) {
     const GlFunctions& gl = context_->gl();
     gl.Disable(GL_SCISSOR_TEST);
-    gl.BlitNamedFramebuffer(drawn_, resolved_, 0, 0, width_, height_, 0, 0, width_, height_, what, GL_NEAREST);
+    gl.BlitNamedFramebuffer(drawn_.id(), resolved_.id(), 0, 0, width_, height_, 0, 0, width_, height_, what,
+                            GL_NEAREST);
   }
 
-  void release() {
-    context_->make_current();
-    const GlFunctions& gl = context_->gl();
-    gl.DeleteFramebuffers(1, &resolved_);
-    gl.DeleteFramebuffers(1, &drawn_);
-    gl.DeleteRenderbuffers(1, &samples_colour_);
-    gl.DeleteRenderbuffers(1, &samples_depth_);
-    gl.DeleteTextures(1, &colour_);
-    gl.DeleteTextures(1, &depth_);
-    context_ = nullptr;
-  }
-
-  void swap(RenderTarget& other) noexcept {
-    std::swap(context_, other.context_);
-    std::swap(width_, other.width_);
-    std::swap(height_, other.height_);
-    std::swap(samples_, other.samples_);
-    std::swap(colour_, other.colour_);
-    std::swap(depth_, other.depth_);
-    std::swap(samples_colour_, other.samples_colour_);
-    std::swap(samples_depth_, other.samples_depth_);
-    std::swap(resolved_, other.resolved_);
-    std::swap(drawn_, other.drawn_);
-  }
-
-  Context* context_ = nullptr;
-  int width_ = 0, height_ = 0, samples_ = 1;
-  GLuint colour_ = 0, depth_ = 0, samples_colour_ = 0, samples_depth_ = 0, resolved_ = 0, drawn_ = 0;
+  Context* context_;
+  int width_, height_, samples_;
+  GlObject colour_, depth_, samples_colour_, samples_depth_, resolved_, drawn_;
 };
 
 }  // namespace holdfast::rendering

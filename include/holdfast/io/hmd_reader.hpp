@@ -117,7 +117,7 @@ inline Lens read_lens(const JsonNode& node) {
       node.allow_only({"model", "k", "k_pd", "r_norm", "centre"});
       break;
     default:
-      node.allow_only({"model", "coefficients", "k_pd", "r_norm", "centre"});
+      node.allow_only({"model", "k0", "coefficients", "k_pd", "r_norm", "centre"});
       break;
   }
   const double r_norm = node.at("r_norm").number(1e-6, largest_tangent);
@@ -134,8 +134,9 @@ inline Lens read_lens(const JsonNode& node) {
   for (const JsonNode& e : node.at("coefficients").elements(1, PolynomialLens::max_coefficients)) {
     k.push_back(e.number(-largest_k, largest_k));
   }
-  const PolynomialLens lens(k, r_norm, centre);
-  return PolynomialLens(k, r_norm, centre, k_pd ? *k_pd : best_cubic_inverse(lens));
+  const double k0 = number_or(node, "k0", 1.0, 0.1, 10.0);
+  const PolynomialLens lens(k, r_norm, centre, 0.0, k0);
+  return PolynomialLens(k, r_norm, centre, k_pd ? *k_pd : best_cubic_inverse(lens), k0);
 }
 
 inline EyeModel read_eye(const JsonNode& node, EyeSide side, double ipd_m) {

@@ -30,6 +30,7 @@ struct LensWriter {
   OrderedJson operator()(const PolynomialLens& l) const {
     const std::span<const double> k = l.coefficients();
     return {{"model", "polynomial"},
+            {"k0", l.k0()},
             {"coefficients", std::vector<double>(k.begin(), k.end())},
             {"r_norm", l.r_norm()},
             {"centre", {l.centre().x(), l.centre().y()}},

@@ -175,12 +175,14 @@ inline std::string brief(double value) {
 }  // namespace detail
 
 inline void JsonNode::fail(std::string problem, std::string expected) const {
-  const bool short_enough = value_->is_primitive() || value_->size() <= 4;
+  const auto is_primitive = [](const nlohmann::json& v) { return v.is_primitive(); };
+  const bool is_short = value_->is_primitive() || (value_->is_array() && value_->size() <= 4 &&
+                                                   std::all_of(value_->begin(), value_->end(), is_primitive));
   throw InputError({.file = document_->file(),
                     .line = document_->line_of(path_),
                     .key = path_,
                     .problem = std::move(problem),
-                    .value = short_enough ? value_->dump() : std::string(),
+                    .value = is_short ? value_->dump() : std::string(),
                     .expected = std::move(expected)});
 }
 

@@ -54,7 +54,7 @@ template <typename Place>
         if constexpr (std::is_same_v<L, RadialLens>) {
           return RadialLens{l.k, l.r_norm * scale, place(l.centre), l.k_pd};
         } else if constexpr (std::is_same_v<L, PolynomialLens>) {
-          return PolynomialLens(l.coefficients(), l.r_norm() * scale, place(l.centre()), l.k_pd());
+          return PolynomialLens(l.coefficients(), l.r_norm() * scale, place(l.centre()), l.k_pd(), l.k0());
         } else {
           return l;
         }

@@ -2,9 +2,10 @@
 ///
 /// A point of the panel at `p` is seen at distort(p). With q = p - centre and r = |q| / r_norm:
 ///
-///     distort(p) = centre + q (1 + k1 r^2 + k2 r^4 + ... + kn r^2n)          n <= 6
+///     distort(p) = centre + q (k0 + k1 r^2 + k2 r^4 + ... + kn r^2n)          n <= 6
 ///
-/// distort is one-to-one up to valid_radius, the smallest r where the derivative of r (1 + k1 r^2 + ...) vanishes
+/// k0 is 1 but where a colour is magnified differently from the one that the panel's tangents are given for.
+/// distort is one-to-one up to valid_radius, the smallest r where the derivative of r (k0 + k1 r^2 + ...) vanishes
 /// (infinite when it never does); undistort inverts it there by Newton's method kept inside a bracket, to rounding.
 /// Elsewhere: nothing. Sources: Google Cardboard's viewer profile (K1, K2 in tangents); Oculus SDK 0.2 (distortionK, r
 /// in quarters of the screen's width). Unit: the same for p, centre and r_norm, tangents of field angle or pixels.
@@ -77,10 +78,12 @@ class PolynomialLens {
 
   PolynomialLens() = default;
 
-  /// Coefficients k1, k2, ...: at most 6, finite; r_norm > 0. k_pd is that of the paper's cubic predistortion
+  /// Coefficients k1, k2, ...: at most 6, finite; r_norm > 0, k0 > 0. k_pd is that of the paper's cubic predistortion
   /// (RadialLens).
-  PolynomialLens(std::span<const double> k, double r_norm, const Vector2& centre = Vector2::Zero(), double k_pd = 0.0)
-      : count_(k.size()), r_norm_(r_norm), centre_(centre), k_pd_(k_pd) {
+  PolynomialLens(std::span<const double> k, double r_norm, const Vector2& centre = Vector2::Zero(), double k_pd = 0.0,
+                 double k0 = 1.0)
+      : count_(k.size()), k0_(k0), r_norm_(r_norm), centre_(centre), k_pd_(k_pd) {
+    HOLDFAST_ASSERT(k0 > 0.0, "k0 must be positive");
     HOLDFAST_ASSERT(k.size() <= max_coefficients, "too many lens coefficients");
     HOLDFAST_ASSERT(r_norm > 0.0, "r_norm must be positive");
     std::copy_n(k.begin(), std::min(k.size(), max_coefficients), k_.begin());
@@ -89,6 +92,7 @@ class PolynomialLens {
   }
 
   [[nodiscard]] std::span<const double> coefficients() const { return {k_.data(), count_}; }
+  [[nodiscard]] double k0() const { return k0_; }
   [[nodiscard]] double r_norm() const { return r_norm_; }
   [[nodiscard]] const Vector2& centre() const { return centre_; }
   [[nodiscard]] double k_pd() const { return k_pd_; }
@@ -110,7 +114,7 @@ class PolynomialLens {
     return Vector2(centre_ + q * (panel_radius(seen) / seen));
   }
 
-  /// d distort / d p = s I + 2 s' q q^T / r_norm^2, s = 1 + k1 r^2 + ..., s' = ds/d(r^2).
+  /// d distort / d p = s I + 2 s' q q^T / r_norm^2, s = k0 + k1 r^2 + ..., s' = ds/d(r^2).
   [[nodiscard]] Matrix2 distort_jacobian(const Vector2& p) const {
     const Vector2 q = (p - centre_) / r_norm_;
     const double r2 = q.squaredNorm();
@@ -133,7 +137,7 @@ class PolynomialLens {
   [[nodiscard]] double scale(double r2) const {
     double sum = 0.0;
     for (std::size_t i = count_; i-- > 0;) sum = (sum + k_[i]) * r2;
-    return 1.0 + sum;
+    return k0_ + sum;
   }
   [[nodiscard]] double scale_slope(double r2) const {
     double sum = 0.0;
@@ -143,9 +147,9 @@ class PolynomialLens {
   [[nodiscard]] double seen_radius(double r) const { return r * scale(r * r); }
   [[nodiscard]] double seen_slope(double r) const { return scale(r * r) + 2.0 * r * r * scale_slope(r * r); }
 
-  /// Smallest r > 0 where d(r (1 + k1 r^2 + ...))/dr = 1 + 3 k1 r^2 + 5 k2 r^4 + ... changes sign.
+  /// Smallest r > 0 where d(r (k0 + k1 r^2 + ...))/dr = k0 + 3 k1 r^2 + 5 k2 r^4 + ... changes sign.
   [[nodiscard]] double first_fold() const {
-    std::array<double, max_coefficients + 1> slope{1.0};
+    std::array<double, max_coefficients + 1> slope{k0_};
     double largest = 0.0;
     std::size_t degree = 0;
     for (std::size_t i = 0; i < count_; ++i) {
@@ -180,6 +184,7 @@ class PolynomialLens {
 
   std::array<double, max_coefficients> k_{};
   std::size_t count_ = 0;
+  double k0_ = 1.0;
   double r_norm_ = 1.0;
   Vector2 centre_ = Vector2::Zero();
   double k_pd_ = 0.0;

@@ -1,12 +1,11 @@
 /// T_AB of one pair of frames, resolved once and evaluated every frame.
 ///
 /// Source: Robinett & Holloway 1994, section 6.1 (course 11): "the leftmost five transforms are static and can
-/// therefore be precomputed once". A Chain folds every run of static edges into one transform and keeps the dynamic
-/// edges between them:
-///   T_AB(t) = S_0 D_1(t) S_1 D_2(t) ... D_n(t) S_n.
-/// Making one allocates; `at` does not, and neither locks nor throws. A chain points to its graph, which must outlive
-/// it. When an edge of the graph is added, removed or set, `at` answers `stale_chain`: make the chain again. New
-/// samples do not make it stale.
+/// therefore be precomputed once". A Chain keeps the folded static runs at both ends and where its dynamic edges hang,
+/// so that `at` neither searches nor checks what cannot have changed. Making one allocates nothing that stays; `at`
+/// does not allocate, lock or throw. A chain points to its graph, which must outlive it, and shares its thread. When an
+/// edge of the graph is added, removed or set, `at` answers `stale_chain`: make the chain again. New samples do not
+/// make it stale.
 #pragma once
 
 #include <cstddef>
@@ -31,8 +30,12 @@ class Chain {
     const std::optional<std::vector<PathStep>> path = graph.path(A, B);
     if (!path) return;
     status_ = LookupStatus::ok;
-    for (const PathStep& step : *path) append(step);
     transforms_ = path->size();
+    for (const PathStep& step : *path) dynamic_ += graph.edge(step.edge)->kind == EdgeKind::dynamic;
+    const FrameGraph::Node &a = graph.node(A), &b = graph.node(B);
+    A_ = {A, a.head, a.head == A.index(), a.T_head_node};
+    B_ = {B, b.head, b.head == B.index(), b.T_head_node};
+    by_root_ = a.head != b.head && FrameGraph::by_root(a, b);
   }
 
   /// T_AB at time t.
@@ -44,54 +47,37 @@ class Chain {
       result.status = LookupStatus::stale_chain;
       return result;
     }
-    Vqs T = last_;
-    bool is_identity = !last_counts_;
-    for (std::size_t i = links_.size(); i-- > 0;) {
-      const Link& link = links_[i];
-      const PoseHistory::Sample sample = graph_->edge(link.edge)->history.at(t);
-      detail::take_in(result, sample, link.edge);
-      if (!result) return result;
-      const Vqs D = link.inverted ? sample.T_AB.inverse() : sample.T_AB;
-      T = is_identity ? D : D * T;
-      if (link.static_counts) T = link.static_before * T;
-      is_identity = false;
-    }
-    result.T_AB = T;
+    if (!by_root_) return graph_->lookup(A_.frame, B_.frame, t);
+    const FrameGraph::Seen &a = graph_->from_root(A_.head, t), &b = graph_->from_root(B_.head, t);
+    FrameGraph::join(a, b, result);
+    if (!result) return result;
+    detail::RawVqs T = B_.is_head ? b.T_root_head : product(b.T_root_head, B_.T_head_end);
+    T = inverse_product(a.T_root_head, T);
+    if (!A_.is_head) T = inverse_product(A_.T_head_end, T);
+    result.T_AB = to_vqs(T);
     return result;
   }
 
   /// Edges of the path, and how many of them are dynamic and hence evaluated by `at`.
   [[nodiscard]] std::size_t transforms() const { return transforms_; }
-  [[nodiscard]] std::size_t dynamic_transforms() const { return links_.size(); }
+  [[nodiscard]] std::size_t dynamic_transforms() const { return dynamic_; }
   /// False when the graph has changed since, or there was no path: `at` will not give a transform.
   [[nodiscard]] bool valid() const { return status_ == LookupStatus::ok && version_ == graph_->version(); }
 
  private:
-  /// One dynamic edge and the folded static run to its left.
-  struct Link {
-    Vqs static_before;
-    EdgeId edge;
-    bool inverted = false;
-    bool static_counts = false;
+  /// One end of the chain: its frame and the static run that joins it to its cluster's head.
+  struct End {
+    FrameId frame;
+    std::int32_t head = -1;
+    bool is_head = true;
+    detail::RawVqs T_head_end;
   };
-
-  void append(const PathStep& step) {
-    const FrameGraph::Edge& e = *graph_->edge(step.edge);
-    if (e.kind == EdgeKind::dynamic) {
-      links_.push_back({last_, step.edge, step.inverted, last_counts_});
-      last_ = Vqs();
-      last_counts_ = false;
-      return;
-    }
-    last_ = last_ * (step.inverted ? e.T_AB.inverse() : e.T_AB);
-    last_counts_ = true;
-  }
 
   const FrameGraph* graph_ = nullptr;
   std::uint64_t version_ = 0;
-  std::vector<Link> links_;
-  Vqs last_;                  // the static run at the right end
-  bool last_counts_ = false;  // it is more than the identity
+  End A_, B_;
+  bool by_root_ = false;
+  std::size_t dynamic_ = 0;
   std::size_t transforms_ = 0;
   LookupStatus status_ = LookupStatus::no_path;
 };

@@ -95,10 +95,12 @@ class FrameGraph {
   /// A new sample T_AB of a dynamic edge at time t; see PoseHistory::push.
   PushStatus push(EdgeId edge, HostTime t, const Vqs& T_AB) {
     PoseHistory* h = history_of(edge);
+    ++changes_;
     return h ? h->push(t, T_AB) : PushStatus::not_dynamic;
   }
   PushStatus push(EdgeId edge, HostTime t, const Vqs& T_AB, HostTime now) {
     PoseHistory* h = history_of(edge);
+    ++changes_;
     return h ? h->push(t, T_AB, now) : PushStatus::not_dynamic;
   }
 
@@ -139,11 +141,21 @@ class FrameGraph {
     std::int32_t depth = 0;          // edges to the root
     std::int32_t head = -1;          // the frame of its static cluster nearest to the root
     std::int32_t cluster_depth = 0;  // dynamic edges to the root
+    std::int32_t branch = -1;        // the cluster head just below the root's cluster; -1 in the root's
     bool parent_is_A = true;         // the parent edge is T_parent_child, not T_child_parent
-    Vqs T_head_node;                 // folded static edges
+    detail::RawVqs T_head_node;      // folded static edges
   };
-  /// A frame on its way to the root, from cluster head to cluster head.
+  /// What a cluster head was seen to be at the time last asked for.
+  struct Seen {
+    HostTime t;
+    std::uint64_t changes = 0;  // of the graph by then; 0 never
+    detail::RawVqs T_root_head;
+    Duration age{0};
+    LookupStatus status = LookupStatus::ok;
+    EdgeId edge;
+  };
   struct Climb;
+  friend class Chain;
 
   static std::size_t index(FrameId f) { return static_cast<std::size_t>(f.index()); }
   [[nodiscard]] const Node& node(FrameId f) const { return nodes_[index(f)]; }
@@ -155,6 +167,14 @@ class FrameGraph {
   }
   [[nodiscard]] EdgeId edge_id(std::int32_t i) const { return {i, edges_[static_cast<std::size_t>(i)].generation}; }
 
+  [[nodiscard]] const Seen& from_root(std::int32_t head, HostTime t) const;
+  [[nodiscard]] static bool by_root(const Node& a, const Node& b);
+  static void join(const Seen& a, const Seen& b, Lookup& result);
+  [[nodiscard]] Lookup lookup_below_root(FrameId A, FrameId B, HostTime t) const;
+  void changed_shape() {
+    ++version_;
+    ++changes_;
+  }
   AddedEdge add(Edge edge);
   [[nodiscard]] std::string second_way_message(FrameId A, FrameId B) const;
   [[nodiscard]] std::string names_of_component(FrameId f) const;
@@ -168,8 +188,10 @@ class FrameGraph {
   std::vector<std::vector<std::int32_t>> edges_at_;  // of each frame
   std::vector<std::int32_t> sizes_;                  // frames of the component, valid at its root
   std::map<std::string, std::int32_t, std::less<>> index_of_;
-  std::size_t removed_ = 0;  // slots of edges_ that are free
-  std::uint64_t version_ = 0;
+  std::size_t removed_ = 0;    // slots of edges_ that are free
+  std::uint64_t version_ = 0;  // of the shape and the static edges
+  std::uint64_t changes_ = 1;  // of anything, samples too
+  mutable std::vector<Seen> seen_;
 };
 
 }  // namespace holdfast

@@ -24,6 +24,7 @@ inline FrameId FrameGraph::frame(std::string_view name) {
   names_.emplace_back(name);
   edges_at_.emplace_back();
   sizes_.push_back(1);
+  seen_.emplace_back();
   index_of_.emplace(std::string(name), i);
   return FrameId(i);
 }
@@ -70,13 +71,14 @@ inline AddedEdge FrameGraph::add(Edge edge) {
 
   const std::int32_t e = store(std::move(edge));
   const std::size_t root_A = static_cast<std::size_t>(node(A).root), root_B = static_cast<std::size_t>(node(B).root);
-  const bool hang_B = sizes_[root_A] >= sizes_[root_B];
+  // The larger stays; of equals the one registered first, which is how a world comes to be the root.
+  const bool hang_B = sizes_[root_A] != sizes_[root_B] ? sizes_[root_A] > sizes_[root_B] : root_A < root_B;
   const std::int32_t all = sizes_[root_A] + sizes_[root_B];
   hang_B ? hang(B.index(), A.index(), e) : hang(A.index(), B.index(), e);
   edges_at_[index(A)].push_back(e);
   edges_at_[index(B)].push_back(e);
   sizes_[hang_B ? root_A : root_B] = all;
-  ++version_;
+  changed_shape();
   return {EdgeStatus::added, edge_id(e), {}};
 }
 
@@ -100,7 +102,8 @@ inline void FrameGraph::adopt(std::int32_t child, std::int32_t parent, std::int3
   if (parent < 0) {
     c.root = c.head = child;
     c.depth = c.cluster_depth = 0;
-    c.T_head_node = Vqs();
+    c.branch = -1;
+    c.T_head_node = detail::RawVqs();
     return;
   }
   const Edge& edge = edges_[static_cast<std::size_t>(e)];
@@ -111,7 +114,11 @@ inline void FrameGraph::adopt(std::int32_t child, std::int32_t parent, std::int3
   c.depth = p.depth + 1;
   c.head = is_static ? p.head : child;
   c.cluster_depth = p.cluster_depth + (is_static ? 0 : 1);
-  c.T_head_node = is_static ? p.T_head_node * (c.parent_is_A ? edge.T_AB : edge.T_AB.inverse()) : Vqs();
+  c.branch = is_static || p.branch >= 0 ? p.branch : child;
+  c.T_head_node = detail::RawVqs();
+  if (!is_static) return;
+  const Vqs T_parent_child = c.parent_is_A ? edge.T_AB : edge.T_AB.inverse();
+  c.T_head_node = to_vqs(product(p.T_head_node, T_parent_child));
 }
 
 /// Hangs the tree that `child` is in, with `child` on top, from `parent` (-1: it becomes a root) by the edge.
@@ -141,7 +148,7 @@ inline bool FrameGraph::set_static(EdgeId id, const Vqs& T_AB) {
   const bool B_below = node(e->B).parent_edge == id.index();
   const FrameId child = B_below ? e->B : e->A, parent = B_below ? e->A : e->B;
   hang(child.index(), parent.index(), id.index());
-  ++version_;
+  changed_shape();
   return true;
 }
 
@@ -160,7 +167,7 @@ inline bool FrameGraph::remove(EdgeId id) {
   gone.removed = true;
   edges_[static_cast<std::size_t>(id.index())] = std::move(gone);
   ++removed_;
-  ++version_;
+  changed_shape();
   return true;
 }
 

@@ -35,7 +35,8 @@ TEST_CASE("Cardboard's and the DK1's lenses are inverted exactly") {
   // Residual in tangents: 1e-15 of a picture with 900 px per unit of tangent is 1e-12 px.
   CHECK(test::worst_residual(cardboard, Vector2::Zero(), 2.0) < 1e-15);
   const PolynomialLens dk1(std::array<double, 2>{0.22, 0.24}, 0.9132);
-  CHECK(test::worst_residual(dk1, Vector2::Zero(), 4.0) < 2e-15);
+  // At 4 (76 degrees) one rounding of the panel radius, magnified by the slope there, is 2e-15.
+  CHECK(test::worst_residual(dk1, Vector2::Zero(), 4.0) < 1e-14);
   // By hand: r = 1 is seen at 1 + 0.441 + 0.156.
   CHECK(cardboard.distort(Vector2(1.0, 0.0)).value().x() == doctest::Approx(1.597).epsilon(1e-15));
 }

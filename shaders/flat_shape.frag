@@ -8,8 +8,10 @@ uniform vec3 colour;          // kind 2: of the cell at (0, 0)
 uniform vec3 other_colour;    // kind 2: of its neighbours
 out vec4 result;
 
-vec2 uv;      // of the pixel's centre
-vec2 du, dv;  // gradients of u and v, per pixel
+// The outline's lines are written with homogeneous plane coordinates q = (u, v, 1) / distance, which are linear over the picture:
+// u > 0 is q.x > 0, u < 1 is q.z - q.x > 0, and so on. That holds at the plane's horizon and behind the eye too.
+vec3 q;
+vec2 gu, gv, gw;  // gradients of q's members, per pixel
 
 // Part of a unit square on the inner side of a straight line: signed distance from the square's centre to the line (positive when
 // the centre is inside), unit normal of the line.
@@ -33,39 +35,35 @@ float inside(float f, vec2 g) {
 }
 
 float rectangle(vec2 size) {
-  float across = inside(uv.x, du) + inside(size.x - uv.x, du) - 1.0;
-  float along = inside(uv.y, dv) + inside(size.y - uv.y, dv) - 1.0;
+  float across = inside(q.x, gu) + inside(size.x * q.z - q.x, size.x * gw - gu) - 1.0;
+  float along = inside(q.y, gv) + inside(size.y * q.z - q.y, size.y * gw - gv) - 1.0;
   return max(across, 0.0) * max(along, 0.0);
 }
 
-// +1 in even cells, -1 in odd ones, and the area-weighted mean in pixels that a cell's border crosses.
+// +1 in even cells, -1 in odd ones, and the area-weighted mean in pixels that a cell's border crosses. x is q.x or q.y.
 float stripes(float x, vec2 gradient) {
-  float border = round(x);
-  float above = inside(x - border, gradient);
+  float border = round(x / q.z);
+  float above = inside(x - border * q.z, gradient - border * gw);
   float sign_above = mod(border, 2.0) < 0.5 ? 1.0 : -1.0;
   return sign_above * (2.0 * above - 1.0);
 }
 
 void main() {
-  vec3 q = plane_of_pixel * vec3(gl_FragCoord.xy, 1.0);
-  if (q.z <= 0.0) discard;  // behind the eye
-  uv = q.xy / q.z;
-  vec2 dx = (plane_of_pixel[0].xy - uv * plane_of_pixel[0].z) / q.z;
-  vec2 dy = (plane_of_pixel[1].xy - uv * plane_of_pixel[1].z) / q.z;
-  du = vec2(dx.x, dy.x);
-  dv = vec2(dx.y, dy.y);
+  q = plane_of_pixel * vec3(gl_FragCoord.xy, 1.0);
+  gu = vec2(plane_of_pixel[0].x, plane_of_pixel[1].x);
+  gv = vec2(plane_of_pixel[0].y, plane_of_pixel[1].y);
+  gw = vec2(plane_of_pixel[0].z, plane_of_pixel[1].z);
 
   float coverage;
   vec3 shade = colour;
   if (kind == 0) {
-    float radius = length(uv);
-    vec2 outward = radius > 0.0 ? uv / radius : vec2(1.0, 0.0);
-    coverage = inside(1.0 - radius, outward.x * du + outward.y * dv);
+    float radius = max(length(q.xy), 1e-20);
+    coverage = inside(q.z - radius, gw - (q.x * gu + q.y * gv) / radius);
   } else if (kind == 1) {
     coverage = rectangle(vec2(1.0));
   } else {
     coverage = rectangle(cells);
-    shade = mix(other_colour, colour, 0.5 + 0.5 * stripes(uv.x, du) * stripes(uv.y, dv));
+    shade = mix(other_colour, colour, 0.5 + 0.5 * stripes(q.x, gu) * stripes(q.y, gv));
   }
   if (coverage <= 0.0) discard;
   result = vec4(shade, coverage);

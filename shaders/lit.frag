@@ -17,9 +17,9 @@ void main() {
   if (material.a < alpha_cutoff) discard;
   vec3 n = dot(normal_W, normal_W) > 0.0 ? normalize(normal_W) : vec3(0.0, 1.0, 0.0);
   if (!gl_FrontFacing) n = -n;
-  float lamp = max(dot(n, normalize(vec3(0.45, 0.7, 0.55))), 0.0);
+  float lamp = max(dot(n, normalize(vec3(0.25, 0.6, 0.75))), 0.0);
   float sky = 0.5 + 0.5 * n.y;
-  vec3 lit = material.rgb * (mix(0.22, 0.42, sky) + 0.65 * lamp);
+  vec3 lit = material.rgb * (mix(0.25, 0.45, sky) + 0.6 * lamp);
   vec3 grey = vec3(dot(lit, vec3(0.2126, 0.7152, 0.0722)));
   result = vec4(mix(grey, lit, saturation) * tint, 1.0);
 }

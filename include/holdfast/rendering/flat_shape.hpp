@@ -41,6 +41,12 @@ struct FlatShape {
     const Vector2 n = kind == Kind::board ? cells : Vector2(1.0, 1.0);
     return origin_W + 0.5 * (n.x() * u_axis_W + n.y() * v_axis_W);
   }
+  /// No point of the shape is farther from its centre.
+  [[nodiscard]] double reach_m() const {
+    if (kind == Kind::disc) return u_axis_W.norm() + v_axis_W.norm();
+    const Vector2 n = kind == Kind::board ? cells : Vector2(1.0, 1.0);
+    return 0.5 * (n.x() * u_axis_W.norm() + n.y() * v_axis_W.norm());
+  }
 };
 
 /// Matrix M: ray_E ~ M (x, y, 1), with z = -1.
@@ -64,12 +70,26 @@ struct FlatShape {
   return Matrix3(axes.inverse() * ray_of_pixel(*view.eye));
 }
 
+/// Whether a ball lies wholly outside one of the planes through the eye and the picture's edges, or behind the near
+/// plane.
+[[nodiscard]] inline bool is_out_of_view(const View& view, const Vector3& centre_E, double radius) {
+  const FieldTangents& t = view.eye->tangents;
+  const auto beyond = [&](double offset, double tangent) {  // offset: how far out at this depth, over the edge's own
+    return offset > radius * std::hypot(1.0, tangent);
+  };
+  const double depth = -centre_E.z();
+  return depth < view.clip.near_m - radius || beyond(centre_E.x() - t.right * depth, t.right) ||
+         beyond(t.left * depth - centre_E.x(), t.left) || beyond(centre_E.y() - t.up * depth, t.up) ||
+         beyond(t.down * depth - centre_E.y(), t.down);
+}
+
 /// Left, bottom, right, top in pixels of what must be drawn: whole pixels, two more than the outline needs. Nothing
 /// when the shape is out of sight. A shape that reaches behind the eye gets the whole picture.
 [[nodiscard]] inline std::optional<Vector4> bounds_px(const View& view, const FlatShape& shape) {
   const Rigid X_EW = view.X_WE.inverse();
   const bool disc = shape.kind == FlatShape::Kind::disc;
   const Vector2 high = shape.kind == FlatShape::Kind::board ? shape.cells : Vector2(1.0, 1.0);
+  if (is_out_of_view(view, X_EW * shape.centre_W(), shape.reach_m())) return std::nullopt;
   const PixelSize size = view.eye->resolution;
   const double first_row = std::max(0, view.rows.first);
   const double end_row = std::min(size.height, view.rows.end);

@@ -23,29 +23,32 @@ namespace holdfast::rendering {
 struct SceneStyle {
   ClearColour background;
   std::optional<Vector3> disc_colour, corner_colour, edge_colour, board_bright, board_dark;
-  Toning toning;  ///< of the frame corner, and of a model drawn with the scene
+  Toning corner_toning;
+  Toning model_toning;  ///< for a model drawn with the scene
   bool discs = true, corner = true, edge = true, board = true;
 };
 
 /// As a camera sees the real things.
 [[nodiscard]] inline SceneStyle real_style() {
   SceneStyle style;
-  style.disc_colour = Vector3(0.62, 0.62, 0.62);
-  style.corner_colour = Vector3(0.62, 0.5, 0.36);
-  style.edge_colour = Vector3(0.45, 0.45, 0.45);
-  style.board_bright = Vector3(0.5, 0.5, 0.5);
+  style.background = {0.05f, 0.055f, 0.065f, 1.0f};
+  style.disc_colour = Vector3(0.45, 0.45, 0.45);
+  style.corner_colour = Vector3(0.75, 0.6, 0.42);
+  style.edge_colour = Vector3(0.3, 0.3, 0.3);
+  style.board_bright = Vector3(0.42, 0.42, 0.42);
   style.board_dark = Vector3(0.1, 0.1, 0.1);
-  style.toning = {.saturation = 0.25f, .tint = Vector3(0.75, 0.75, 0.75)};
+  style.corner_toning = {.saturation = 0.8f, .tint = Vector3(0.7, 0.7, 0.7)};
+  style.model_toning = {.saturation = 0.2f, .tint = Vector3(0.46, 0.41, 0.36)};
   return style;
 }
 
 /// As the headset adds the virtual things: colours as the scene has them, black where it shows nothing.
 [[nodiscard]] inline SceneStyle virtual_style() {
   SceneStyle style;
-  style.edge_colour = Vector3(0.0, 0.75, 0.9);
-  style.board_bright = Vector3(0.85, 0.2, 0.75);
-  style.board_dark = Vector3(0.16, 0.0, 0.14);
-  style.toning = {.saturation = 1.0f, .tint = Vector3(1.0, 1.0, 1.0)};
+  style.edge_colour = Vector3(0.0, 0.55, 0.7);
+  style.board_bright = Vector3(0.6, 0.12, 0.55);
+  style.board_dark = Vector3(0.12, 0.0, 0.1);
+  style.model_toning = {.saturation = 1.2f, .tint = Vector3(0.5, 0.6, 0.64)};
   return style;
 }
 
@@ -117,7 +120,7 @@ class RegistrationScenePainter {
   /// The frame corner.
   void draw_solid(const View& view, const SceneStyle& style) {
     if (!style.corner) return;
-    lit_.begin(view, style.toning);
+    lit_.begin(view, style.corner_toning);
     const Matrix4 X_WF = corner_.X_WF.matrix();
     for (std::size_t axis = 0; axis < bars_.size(); ++axis) {
       Material material;

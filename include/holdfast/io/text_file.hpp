@@ -1,0 +1,57 @@
+/// Whole text files: read in one go, written so that a file is never left behind half written.
+///
+/// Bad input: a path that cannot be read or written is an InputError that says so.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+#include <holdfast/io/input_error.hpp>
+
+namespace holdfast::io {
+
+[[nodiscard]] inline std::string read_text_file(const std::filesystem::path& path) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) {
+    throw InputError({.file = path.string(), .problem = "is a folder", .expected = "a file"});
+  }
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw InputError({.file = path.string(), .problem = "cannot be opened", .expected = "a readable file"});
+  std::string text;
+  const auto size = std::filesystem::file_size(path, error);
+  if (!error && size < (std::uintmax_t(1) << 40)) text.reserve(static_cast<std::size_t>(size));
+  std::string block(std::size_t(1) << 16, '\0');
+  while (file.read(block.data(), static_cast<std::streamsize>(block.size())) || file.gcount() > 0) {
+    text.append(block.data(), static_cast<std::size_t>(file.gcount()));
+  }
+  if (file.bad())
+    throw InputError({.file = path.string(), .problem = "cannot be read to its end", .expected = "a readable file"});
+  return text;
+}
+
+/// Writes beside the place and renames: readers see the old file or the whole new one.
+inline void write_text_file(const std::filesystem::path& path, std::string_view text) {
+  std::filesystem::path unfinished = path;
+  unfinished += ".unfinished";
+  std::error_code error;
+  {
+    std::ofstream file(unfinished, std::ios::binary | std::ios::trunc);
+    file.write(text.data(), static_cast<std::streamsize>(text.size()));
+    file.close();
+    if (!file) {
+      std::filesystem::remove(unfinished, error);
+      throw InputError(
+          {.file = path.string(), .problem = "cannot be written", .expected = "a writable place with room"});
+    }
+  }
+  std::filesystem::rename(unfinished, path, error);
+  if (!error) return;
+  const std::string reason = error.message();
+  std::filesystem::remove(unfinished, error);
+  throw InputError({.file = path.string(), .problem = "cannot be written: " + reason, .expected = "a writable place"});
+}
+
+}  // namespace holdfast::io

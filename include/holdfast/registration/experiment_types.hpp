@@ -52,10 +52,10 @@ struct ExperimentSettings {
   Duration latency = std::chrono::milliseconds(60);  ///< from the tracker's measurement to the middle of scan-out
   HmdModel hmd = default_hmd();                      ///< its timing says whether scan-out is global or rolling
   std::optional<HmdModel> believed_hmd;              ///< what the renderer believes the HMD to be; nothing: the truth
+  Rigid X_HT;                                        ///< static error: the tracker says X_WH * X_HT where X_WH is true
   VelocitySource velocity = VelocitySource::exact;
   Duration velocity_baseline = std::chrono::microseconds(16700);  ///< between the two poses of the backward difference
   std::size_t frames = 0;                                         ///< 0: as many as the motion lasts
-  std::size_t first_frame = 0;                                    ///< frames left out at the start, besides the warm-up
 };
 
 /// One fiducial in one frame, as the eye sees it. Pixels: origin lower left, pixel centres at half integers.
@@ -138,8 +138,8 @@ struct ExperimentRow {
   std::optional<SwimSummary> swim;
   PoseErrorSummary pose;
   std::optional<double> effective_latency_ms, effective_latency_uncertainty_ms;
-  std::optional<double> jitter_arcmin;     ///< head still: standard deviation; moving: 3-12 Hz RMS
-  std::optional<double> overshoot_arcmin;  ///< motions that stop only
+  std::optional<double> jitter_arcmin;                    ///< head still: standard deviation; moving: 3-12 Hz RMS
+  std::optional<double> overshoot_arcmin, overshoot_pct;  ///< motions that stop only; signed, % of the motion
   std::optional<double> scan_skew_arcmin;  ///< rolling scan-out: largest size over the frames that show the edge
   std::optional<double> coverage_missing_pct, disocclusion_pct, picture_vs_theory_px;
   std::vector<ExpectedValue> expected;  ///< empty: theory demands nothing of this row

@@ -1,0 +1,114 @@
+/// The values that theory demands of an experiment's row, with tolerances, and the verdict.
+///
+/// Which motion an experiment runs is told by its name (M0-M8 of motion/generators.hpp with their amplitudes); other
+/// names have only the demands that hold for any motion. Tolerances: frames sample a sinusoid's peak, missing it by at
+/// most half a frame (1 - cos(pi f / refresh)); ramps by one frame. Pose columns do not depend on eye and lens. Source:
+/// evaluation.md, values 1, 4, 5, 9, 11.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+#include <holdfast/registration/experiment_types.hpp>
+#include <holdfast/registration/metrics.hpp>
+#include <holdfast/registration/theory.hpp>
+
+namespace holdfast {
+
+/// A sinusoidal yaw among the default motions.
+struct YawSine {
+  double hz = 0.0;
+  double amplitude_arcmin = 0.0;
+};
+
+[[nodiscard]] inline std::optional<YawSine> yaw_sine_of(std::string_view motion) {
+  if (motion == "M1") return YawSine{2.0, 180.0};
+  if (motion == "M2") return YawSine{1.0, 900.0};
+  return std::nullopt;
+}
+
+namespace detail {
+
+struct Expectations {
+  const ExperimentSettings& settings;
+  std::vector<ExpectedValue> values;
+
+  void add(std::string name, double expected, double tolerance) {
+    values.push_back({std::move(name), expected, tolerance, 0.0});
+  }
+};
+
+inline void expect_yaw_sine(Expectations& e, const YawSine& sine, double latency_s, double period_s) {
+  const int order = e.settings.pipeline == Pipeline::p0 ? 0 : 1;
+  const double error = sine.amplitude_arcmin * theory::error_ratio(order, theory::phase_of(sine.hz, latency_s));
+  const double swim = theory::swim_amplitude(error, sine.hz, period_s) / 60.0;
+  const double missed = 1.0 - std::cos(std::numbers::pi * sine.hz * period_s) + 1e-6;
+  e.add("pose.peak_yaw_arcmin", error, missed * error + 1e-6);
+  e.add("pose.peak_swim_deg_s", swim, missed * swim + 1e-6);
+}
+
+inline void expect_ramp(Expectations& e, double latency_s, double period_s) {
+  constexpr double rate_deg_s = 100.0, travel_s = 0.4;
+  if (latency_s <= 0.0 || latency_s >= travel_s) return;
+  const double error = 60.0 * rate_deg_s * latency_s, one_frame = 60.0 * rate_deg_s * period_s;
+  const bool held = e.settings.pipeline == Pipeline::p0;
+  e.add("pose.peak_yaw_arcmin", error, held ? 1e-3 : one_frame);
+  if (e.settings.velocity == VelocitySource::exact) e.add("overshoot_arcmin", held ? -error : error, one_frame);
+  const DisplayTiming& timing = e.settings.hmd.timing;
+  if (timing.scan_out == ScanOut::rolling && e.settings.lens == LensMode::none) {
+    e.add("scan_skew_arcmin", 60.0 * rate_deg_s * to_seconds(timing.scan_duration), 0.05);
+  }
+}
+
+[[nodiscard]] inline std::optional<double> measured_value(const ExperimentRow& row, std::string_view name) {
+  if (name == "pose.peak_yaw_arcmin") return row.pose.peak_yaw_arcmin;
+  if (name == "pose.peak_swim_deg_s") return row.pose.peak_swim_deg_s;
+  if (name == "pose.peak_position_mm") return row.pose.peak_position_mm;
+  if (name == "overshoot_arcmin") return row.overshoot_arcmin;
+  if (name == "scan_skew_arcmin") return row.scan_skew_arcmin;
+  if (name == "effective_latency_ms") return row.effective_latency_ms;
+  if (name == "registration.peak_px" && row.registration) return row.registration->peak_px;
+  return std::nullopt;
+}
+
+}  // namespace detail
+
+/// What theory demands of `settings`; the members `measured` are still zero.
+[[nodiscard]] inline std::vector<ExpectedValue> expected_values(const ExperimentSettings& settings) {
+  detail::Expectations e{settings, {}};
+  const bool exact_tracker = settings.X_HT.q().vec().norm() == 0.0 && settings.X_HT.p().norm() == 0.0;
+  if (!exact_tracker) return e.values;  // a constant error adds itself to every peak
+  const double latency_s = to_seconds(settings.latency), period_s = 1.0 / settings.hmd.timing.refresh_hz;
+  const std::string_view motion = settings.motion_name;
+  const bool p0 = settings.pipeline == Pipeline::p0;
+  const bool exact_velocity = p0 || settings.velocity == VelocitySource::exact;
+  const bool good_optics =
+      !settings.believed_hmd && (settings.lens == LensMode::none || settings.lens == LensMode::exact);
+  const bool at_once = settings.hmd.timing.scan_out == ScanOut::global;
+
+  if (good_optics && (motion == "M0" || (latency_s == 0.0 && at_once))) e.add("registration.peak_px", 0.0, 1e-9);
+  const std::optional<YawSine> sine = yaw_sine_of(motion);
+  if (sine && exact_velocity) detail::expect_yaw_sine(e, *sine, latency_s, period_s);
+  if (motion == "M3") detail::expect_ramp(e, latency_s, period_s);
+  // The fastest stretch is 0.6 s of 0.5 m/s: longer than the latency, the whole of it is at full speed.
+  if (motion == "M7" && p0 && latency_s < 0.5) e.add("pose.peak_position_mm", 500.0 * latency_s, 1e-3);
+  if (p0 && motion != "M0") e.add("effective_latency_ms", 1e3 * latency_s, 0.1);
+  return e.values;
+}
+
+/// Fills in the row's expectations from its own columns and judges: fail when one does not hold, none without any.
+inline void judge(ExperimentRow& row, const ExperimentSettings& settings) {
+  row.expected.clear();
+  for (ExpectedValue value : expected_values(settings)) {
+    const std::optional<double> measured = detail::measured_value(row, value.name);
+    if (!measured) continue;  // the column has no value here, for example as nothing was in view
+    value.measured = *measured;
+    row.expected.push_back(value);
+  }
+  const bool all_hold = std::all_of(row.expected.begin(), row.expected.end(), [](const auto& v) { return v.holds(); });
+  row.verdict = row.expected.empty() ? Verdict::none : all_hold ? Verdict::pass : Verdict::fail;
+}
+
+}  // namespace holdfast

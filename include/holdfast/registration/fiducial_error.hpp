@@ -1,0 +1,67 @@
+/// One disc in one frame: where the eye sees the real and the virtual one.
+///
+/// Under a rolling scan-out each line of the panel has its own time. The virtual disc is drawn for the frame's pose,
+/// whatever the line; the real one is where the true eye pose puts it at the time of the line on which it then appears,
+/// found by fixed-point iteration (a line's time changes the picture's row by far less than a line per line). What is
+/// seen on a row of the view is lit by the panel line that the lens brings there. Pixels as in eye.hpp. Bad input:
+/// discs behind the eye, seen from behind, or cut by the picture's border are not visible.
+#pragma once
+
+#include <cmath>
+
+#include <holdfast/motion/motion.hpp>
+#include <holdfast/registration/experiment_types.hpp>
+#include <holdfast/registration/metrics.hpp>
+#include <holdfast/registration/projected_ellipse.hpp>
+
+namespace holdfast {
+
+/// Seconds from the middle of scan-out at which the light arrives that is seen at an ideal pixel. Outside the lens: 0.
+[[nodiscard]] inline double light_seconds(const EyeModel& eye, const DisplayTiming& timing, LensMode lens,
+                                          const Vector2& seen) {
+  if (timing.scan_out == ScanOut::global) return 0.0;
+  const std::optional<Vector2> panel = lens == LensMode::none ? seen : drawn_pixel(eye, LensMode::exact, seen);
+  if (!panel) return 0.0;
+  return line_seconds_from_middle(timing, line_fraction_of_row(timing, panel->y(), eye.resolution.height));
+}
+
+/// The real disc's ellipse in the picture that is scanned out round t_display.
+[[nodiscard]] inline std::optional<ProjectedEllipse> real_ellipse(const Motion& motion, const EyeModel& eye,
+                                                                  const DisplayTiming& timing, LensMode lens,
+                                                                  const Disc& disc, HostTime t_display,
+                                                                  const Rigid& X_WE_at_display) {
+  std::optional<ProjectedEllipse> ellipse = project_disc(eye, X_WE_at_display, disc);
+  if (timing.scan_out == ScanOut::global) return ellipse;
+  for (int i = 0; i < 20 && ellipse; ++i) {
+    const Vector2 before = ellipse->centroid;
+    const HostTime t = t_display + from_seconds(light_seconds(eye, timing, lens, before));
+    ellipse = project_disc(eye, motion.at(t).X_WB * eye.X_HE, disc);
+    if (ellipse && (ellipse->centroid - before).norm() < 1e-9) break;
+  }
+  return ellipse;
+}
+
+/// Fills in both images of a disc and their difference. `real` and `drawn` are ellipses of ideal pictures; `believed`
+/// is the renderer's eye model, nullptr when it is the true one.
+[[nodiscard]] inline FiducialRecord fiducial_error(const EyeModel& eye, const EyeModel* believed, LensMode lens,
+                                                   const std::optional<ProjectedEllipse>& real,
+                                                   const std::optional<ProjectedEllipse>& drawn) {
+  constexpr double margin_px = 1.0;
+  FiducialRecord record;
+  if (!real || !drawn || !real->front || !drawn->front) return record;
+  if (!real->is_inside(eye.resolution, margin_px) || !drawn->is_inside(eye.resolution, margin_px)) return record;
+  const std::optional<Vector2> seen =
+      believed ? seen_centroid(eye, *believed, lens, *drawn) : seen_centroid(eye, lens, *drawn);
+  if (!seen || !is_inside(eye, *seen)) return record;
+  record.visible = true;
+  record.c_real = real->centroid;
+  record.c_virtual = *seen;
+  record.error_px = record.c_virtual - record.c_real;
+  const Vector3 ray_real = ray_E(eye, record.c_real), ray_virtual = ray_E(eye, record.c_virtual);
+  record.error_rad = angular_error(ray_real, ray_virtual);
+  record.error_arcmin = record.error_rad.norm() * arcmin_per_rad;
+  record.error_mm = 1e3 * error_at_depth(ray_real, ray_virtual, real->depth_m);
+  return record;
+}
+
+}  // namespace holdfast

@@ -34,6 +34,13 @@ std::string vector_text(const Vector& v, int digits) {
   return text + ")";
 }
 
+/// (x, y, z, w), of the two signs the one with w >= 0, so that equal rotations read alike.
+inline std::string quaternion_text(const Quaternion& q) {
+  const Vector4 xyzw(q.x(), q.y(), q.z(), q.w());
+  const Vector4 shown = q.w() < 0 ? Vector4(-xyzw) : xyzw;
+  return vector_text(shown, 4);
+}
+
 inline std::string milliseconds_text(Duration d) {
   return fixed_text(to_milliseconds(d), 1).substr(1) + " ms";
 }
@@ -128,7 +135,7 @@ inline std::string age_text(const FrameGraph::Edge& e, const PoseHistory::Sample
     }
     const Vqs T = step->inverted ? sample.T_AB.inverse() : sample.T_AB;
     rows.push_back({name, kind, detail::age_text(e, sample), detail::vector_text(T.v(), 4),
-                    detail::vector_text(T.q().coeffs(), 4), detail::fixed_text(T.s(), 4)});
+                    detail::quaternion_text(T.q()), detail::fixed_text(T.s(), 4)});
     if (p) {
       p = T * *p;
       rows.back().push_back("p_" + graph.name(step->outer) + " =");
@@ -137,7 +144,7 @@ inline std::string age_text(const FrameGraph::Edge& e, const PoseHistory::Sample
   }
   if (whole && path->size() > 1) {
     rows.push_back({detail::transform_name(graph, A, B), "whole", detail::milliseconds_text(whole.age),
-                    detail::vector_text(whole.T_AB.v(), 4), detail::vector_text(whole.T_AB.q().coeffs(), 4),
+                    detail::vector_text(whole.T_AB.v(), 4), detail::quaternion_text(whole.T_AB.q()),
                     detail::fixed_text(whole.T_AB.s(), 4)});
   }
   return text + detail::aligned(rows);

@@ -6,26 +6,11 @@
 
 #include <holdfast/motion/generators.hpp>
 
+#include "motion/motion_checks.hpp"
+
 using namespace holdfast;
 
 namespace {
-
-/// Compares a motion's stated derivatives with central differences of its poses and rates at `t`.
-void check_derivatives(const Motion& motion, double t, double tolerance) {
-  const double h = 1e-4;
-  const MotionState s = motion.at(time_at(t));
-  const MotionState before = motion.at(time_at(t - h));
-  const MotionState after = motion.at(time_at(t + h));
-  const Vector3 v = (after.X_WB.p() - before.X_WB.p()) / (2 * h);
-  const Vector3 a = (after.v_WB - before.v_WB) / (2 * h);
-  const Vector3 step = so3::log<double>(before.X_WB.q().conjugate() * after.X_WB.q());
-  const Vector3 w = step / (2 * h);
-  const Vector3 alpha = (after.w_WB_B - before.w_WB_B) / (2 * h);
-  CHECK((s.v_WB - v).norm() < tolerance);
-  CHECK((s.a_WB - a).norm() < tolerance);
-  CHECK((s.w_WB_B - w).norm() < tolerance);
-  CHECK((s.alpha_WB_B - alpha).norm() < tolerance);
-}
 
 struct Speeds {
   double mean_deg_s = 0, peak_deg_s = 0, mean_m_s = 0, peak_m_s = 0, widest_gaze_deg = 0, farthest_m = 0;
@@ -79,7 +64,7 @@ TEST_CASE("derivatives agree with central differences") {
       if (name.id == "M3" && (std::abs(t - 0.6) < 0.01 || std::abs(t - 1.0) < 0.01)) continue;  // its corners
       // Truncation h^2/6 times the third derivative; the chirp at 10 Hz has (2 pi 10)^4 0.035 = 5e5 rad/s^4 in its
       // fourth.
-      check_derivatives(*motion, t, name.id == "M8" ? 2e-3 : 5e-5);
+      check_derivatives(*motion, time_at(t), std::chrono::microseconds(100), name.id == "M8" ? 2e-3 : 5e-5);
     }
   }
 }

@@ -29,9 +29,10 @@ struct PoseAlignment {
   Rigid X_QP;                 ///< pose of body P in body Q
   double rotation_rms = 0.0;  ///< rad, of what remains
   double position_rms = 0.0;  ///< m, of what remains
-  Vector6
-      deviation_X_AB;  ///< standard deviations: rotation about A's axes (rad), position (m), if errors are independent
-  Vector6 deviation_X_QP;  ///< the same for X_QP, in Q
+  /// Standard deviations if errors are independent: rotation about A's axes (rad), position (m).
+  Vector6 deviation_X_AB = Vector6::Zero();
+  /// The same for X_QP, in Q.
+  Vector6 deviation_X_QP = Vector6::Zero();
 };
 
 namespace align_detail {

@@ -1,0 +1,380 @@
+// Draws the whole report from the JSON in #report-data. No network, no dependency but dygraphs, which is embedded above.
+"use strict";
+
+const data = JSON.parse(document.getElementById("report-data").textContent);
+const summary = data.summary;
+const page = document.getElementById("report");
+const openCharts = [];
+
+const pipelineNames = { P0: "no prediction", P1: "constant velocity", P2: "Kalman", P3: "Kalman with inertial" };
+const seriesColors = { P0: "--p0", P1: "--p1", P2: "--s2", P3: "--s3", theory: "--theory", a: "--p0", b: "--p1", c: "--s2", d: "--s3", e: "--s4", f: "--s5" };
+
+// ---- small helpers -----------------------------------------------------------------------------------------------------------
+
+/** Makes an element: el("p.note", {title: "x"}, "text", child). */
+function el(spec, attributes, ...children) {
+  const [tag, ...classes] = spec.split(".");
+  const node = document.createElement(tag);
+  if (classes.length) node.className = classes.join(" ");
+  for (const [key, value] of Object.entries(attributes || {})) {
+    if (key.startsWith("on")) node.addEventListener(key.slice(2), value);
+    else if (value !== undefined && value !== null) node.setAttribute(key, value);
+  }
+  node.append(...children.filter((child) => child !== null && child !== undefined));
+  return node;
+}
+
+/** A number with about three significant digits; a dash where it is undefined. */
+function number(value, unit) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return "\u2013";
+  const size = Math.abs(value);
+  let text;
+  if (size !== 0 && (size < 0.001 || size >= 1e6)) text = value.toExponential(1).replace("e-", "e\u2212");
+  else text = value.toFixed(size >= 100 ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : 3);
+  return (text.replace(/^-(?=.*[1-9])/, "\u2212").replace(/^-/, "")) + (unit ? "\u00a0" + unit : "");
+}
+
+const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+const seriesColor = (style) => color(seriesColors[style] || "--ink");
+const pipelineTitle = (id) => (pipelineNames[id] ? `${id}, ${pipelineNames[id]}` : id);
+const sum = (list) => list.reduce((a, b) => a + b, 0);
+
+function section(title, ...intro) {
+  const node = el("section", {}, el("h2", {}, title), ...intro);
+  page.append(node);
+  return node;
+}
+
+// ---- charts ------------------------------------------------------------------------------------------------------------------
+
+function legendEntry(series, value) {
+  const mark = el("i" + (series.dashed ? ".dashed" : series.area ? ".area" : ""));
+  mark.style.color = mark.style.borderColor = seriesColor(series.style);
+  return el("span", {}, mark, series.name, value === undefined ? null : el("b", {}, value));
+}
+
+function fillLegend(legend, chart, row) {
+  legend.replaceChildren();
+  legend.append(el("span", {}, chart.x.label + (row ? "" : ` (${chart.x.unit})`), row ? el("b", {}, number(row[0], chart.x.unit)) : null));
+  chart.series.forEach((series, i) => {
+    legend.append(legendEntry(series, row ? number(row[i + 1], chart.y.unit) : undefined));
+  });
+}
+
+/** One finger reads values and leaves the page free to scroll; two fingers zoom. */
+function touchModel(showAt, clear) {
+  const pinch = Dygraph.defaultInteractionModel;
+  const show = (event) => showAt(event.touches[0]);
+  return {
+    ...pinch,
+    touchstart: (event, g, context) => (event.touches.length > 1 ? pinch.touchstart(event, g, context) : show(event)),
+    touchmove: (event, g, context) => (event.touches.length > 1 ? pinch.touchmove(event, g, context) : show(event)),
+    touchend: (event, g, context) => { if (context.initialTouches) pinch.touchend(event, g, context); else clear(); },
+  };
+}
+
+function chartOptions(chart, legend, reset) {
+  const options = {
+    labels: [chart.x.label, ...chart.series.map((s) => s.name)],
+    legend: "never",
+    xlabel: `${chart.x.label} (${chart.x.unit})`,
+    ylabel: `${chart.y.label} (${chart.y.unit})`,
+    strokeWidth: 1.8,
+    highlightCircleSize: 4,
+    stackedGraph: Boolean(chart.stacked),
+    fillAlpha: 0.55,
+    connectSeparatedPoints: true,
+    includeZero: chart.includeZero !== false,
+    logscale: Boolean(chart.y.log),
+    digitsAfterDecimal: 3,
+    xRangePad: 4,
+    yRangePad: 6,
+    axes: {
+      x: { logscale: Boolean(chart.x.log), axisLabelFormatter: (v) => number(v).replace(/\.?0+$/, (m) => (m[0] === "." ? "" : m)), pixelsPerLabel: 64 },
+      y: { axisLabelWidth: 48, axisLabelFormatter: (v) => number(v).replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "") },
+    },
+    series: Object.fromEntries(chart.series.map((s) => [s.name, {
+      color: seriesColor(s.style),
+      strokePattern: s.dashed ? [6, 5] : null,
+      strokeWidth: s.points ? 0 : s.dashed ? 1.5 : 1.8,
+      drawPoints: Boolean(s.points),
+      pointSize: 3,
+      fillGraph: Boolean(s.area || chart.stacked),
+    }])),
+    axisLineColor: color("--line"),
+    gridLineColor: color("--grid"),
+    highlightCallback: (event, x, points, row) => fillLegend(legend, chart, chart.rows[row]),
+    unhighlightCallback: () => fillLegend(legend, chart, null),
+    zoomCallback: () => { reset.hidden = false; },
+  };
+  return options;
+}
+
+function drawChart(chart, parent) {
+  const reset = el("button", { type: "button", hidden: "" }, "Reset zoom");
+  const legend = el("div.legend", { "aria-live": "off" });
+  const plot = el("div.plot", { role: "img", "aria-label": `${chart.title}: ${chart.caption}` });
+  const caption = el("figcaption", {}, chart.caption);
+  const box = el("figure.card.chart", { id: "chart-" + chart.id },
+    el("header", {}, el("h3", {}, chart.title), reset), legend, plot, caption);
+  parent.append(box);
+  fillLegend(legend, chart, null);
+  const graph = new Dygraph(plot, chart.rows, chartOptions(chart, legend, reset));
+  graph.updateOptions({ interactionModel: matchMedia("(pointer: coarse)").matches
+    ? touchModel((touch) => graph.mouseMove_(touch), () => { graph.clearSelection(); fillLegend(legend, chart, null); })
+    : Dygraph.defaultInteractionModel });
+  reset.addEventListener("click", () => { graph.resetZoom(); reset.hidden = true; });
+  openCharts.push({ graph, chart, legend, reset });
+}
+
+function destroyCharts(inside) {
+  for (let i = openCharts.length - 1; i >= 0; --i) {
+    if (!inside.contains(openCharts[i].graph.graphDiv)) continue;
+    openCharts[i].graph.destroy();
+    openCharts.splice(i, 1);
+  }
+}
+
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+  for (const { graph, chart, legend, reset } of openCharts) {
+    graph.updateOptions(chartOptions(chart, legend, reset));
+    fillLegend(legend, chart, null);
+  }
+});
+
+// ---- pictures ----------------------------------------------------------------------------------------------------------------
+
+/** Arrows (from where the real disc is to where its virtual twin is drawn), in picture pixels with y downward. */
+function arrowLayer(picture) {
+  const ns = "http://www.w3.org/2000/svg";
+  const svg = document.createElementNS(ns, "svg");
+  svg.setAttribute("viewBox", `0 0 ${picture.width} ${picture.height}`);
+  svg.setAttribute("aria-hidden", "true");
+  const unit = picture.width / 320;
+  for (const [x0, y0, x1, y1] of picture.arrows || []) {
+    const length = Math.hypot(x1 - x0, y1 - y0);
+    const dot = document.createElementNS(ns, "circle");
+    for (const [k, v] of Object.entries({ cx: x0, cy: y0, r: 2 * unit, fill: "#fff", stroke: "#111", "stroke-width": 0.7 * unit })) dot.setAttribute(k, v);
+    if (length > 2.5 * unit) {
+      const ux = (x1 - x0) / length, uy = (y1 - y0) / length, head = Math.min(6 * unit, 0.5 * length);
+      const bx = x1 - ux * head, by = y1 - uy * head, w = 0.5 * head;
+      const path = document.createElementNS(ns, "path");
+      path.setAttribute("d", `M${x0} ${y0}L${bx} ${by}M${x1} ${y1}L${bx - uy * w} ${by + ux * w}L${bx + uy * w} ${by - ux * w}Z`);
+      for (const [k, v] of Object.entries({ stroke: "#fff", fill: "#fff", "stroke-width": 1.6 * unit, "stroke-linejoin": "round", "paint-order": "stroke" })) path.setAttribute(k, v);
+      svg.append(path);
+    }
+    svg.append(dot);
+  }
+  return svg;
+}
+
+function pictureButton(picture, alt, caption) {
+  const button = el("button.picture", { type: "button", "aria-label": `Enlarge: ${alt}`, onclick: () => enlarge(picture, alt, caption) },
+    el("img", { src: picture.src, alt, width: picture.width, height: picture.height }), picture.arrows ? arrowLayer(picture) : null);
+  return button;
+}
+
+function enlarge(picture, alt, caption) {
+  const box = document.getElementById("lightbox");
+  const close = () => box.close();
+  box.firstElementChild.replaceChildren(
+    el("button.picture", { type: "button", "aria-label": "Close", onclick: close },
+      el("img", { src: picture.src, alt }), picture.arrows ? arrowLayer(picture) : null),
+    el("figcaption", {}, caption || alt));
+  box.onclick = (event) => { if (event.target === box) close(); };
+  box.showModal();
+}
+
+function contactSheet(sheet, parent) {
+  const head = el("tr", {}, el("th"), ...sheet.times_s.map((t) => el("th", {}, number(t, "s"))));
+  const body = sheet.rows.map((row) => el("tr", {}, el("th", { scope: "row" }, row.label, el("span", {}, row.note || "")),
+    ...row.pictures.map((picture, i) => el("td", {}, pictureButton(picture, `${row.label} at ${number(sheet.times_s[i], "s")}`,
+      `${row.label}${row.note ? ", " + row.note : ""}, ${number(sheet.times_s[i], "s")}. ${picture.caption || ""}`)))));
+  parent.append(el("div.scroll.sheet", { tabindex: "0", role: "region", "aria-label": "Contact sheet" },
+    el("table", {}, el("thead", {}, head), el("tbody", {}, ...body))),
+    el("p.note", {}, sheet.caption));
+}
+
+// ---- the parts of the page ---------------------------------------------------------------------------------------------------
+
+function row(pipeline, motion) {
+  const head = data.headline;
+  return summary.rows.find((r) => r.motion === (motion || head.motion) && r.pipeline === pipeline &&
+    r.latency_ms === head.latency_ms && r.lens === head.lens && r.eye === head.eye && r.display === head.display);
+}
+
+function angle(arcmin) { return arcmin >= 60 ? number(arcmin / 60, "\u00b0") .replace("\u00a0\u00b0", "\u00b0") : number(arcmin, "arcmin"); }
+
+/** "cuts it to 12 arcmin, 11 times less", or "makes it larger: ..." */
+function comparison(before, after) {
+  const a = before.peak_yaw_error_arcmin ?? before.registration.peak_arcmin, b = after.peak_yaw_error_arcmin ?? after.registration.peak_arcmin;
+  if (!(a > 0) || !(b > 0)) return null;
+  const ratio = a / b;
+  if (ratio > 1.1) return el("p", {}, "Predicting the head's motion at constant velocity (P1) cuts the largest error to ", el("strong", {}, angle(b)), `, ${number(ratio)} times less.`);
+  if (ratio < 0.9) return el("p", {}, "Predicting at constant velocity (P1) makes it worse here: ", el("strong", {}, angle(b)), `, ${number(1 / ratio)} times more. The motion changes too fast for so long a prediction.`);
+  return el("p", {}, "Predicting at constant velocity (P1) changes little here: ", el("strong", {}, angle(b)), ".");
+}
+
+function introduction() {
+  const head = data.headline, still = row("P0"), predicted = row("P1"), first = still || predicted || summary.rows[0];
+  page.append(el("p.eyebrow", {}, "Holdfast \u00b7 swim report"));
+  if (!first) return;
+  const peak = first.peak_yaw_error_arcmin ?? first.registration.peak_arcmin;
+  page.append(el("h1", {}, still ? `At ${number(head.latency_ms).replace(/\.0+$/, "")} ms, the virtual world slips by up to ${angle(peak)}` : `Swim of ${first.pipeline} at ${number(head.latency_ms)} ms`));
+  page.append(el("p.lead", {}, "A see-through headset draws virtual things over the real room. When you move your head, they must move the other way in the picture, " +
+    "or they will not stay put. But every picture is a little late: it was drawn for where the head was a moment ago. So virtual things slide over the real ones while you move, " +
+    "and slip back when you stop. That sliding is called ", el("strong", {}, "swim"), "."));
+  page.append(el("p", {}, "How large it is here: in ", el("strong", {}, head.motion_title), ` the head turns at up to ${number(head.peak_head_deg_s, "\u00b0/s")}. At ` +
+    `${number(head.latency_ms).replace(/\.0+$/, "")} ms of latency ${still ? "and no prediction (P0) " : ""}the virtual world stands up to `,
+    el("strong", {}, angle(peak)), ` away from where it belongs (${number(first.registration.peak_px, "px")} in the picture) and slides at up to `,
+    el("strong", {}, number(first.swim.peak_deg_s, "\u00b0/s")), ". The width of your thumb at arm's length is about 2\u00b0."));
+  const change = still && predicted ? comparison(still, predicted) : null;
+  if (change) page.append(change);
+  const cards = el("div.cards");
+  for (const r of [still, predicted].filter(Boolean)) {
+    const mark = el("i.dot"); mark.style.color = seriesColor(r.pipeline);
+    cards.append(el("div.card", {}, el("header", {}, mark, el("strong", {}, pipelineTitle(r.pipeline)), el("span", {}, `${r.motion}, ${number(r.latency_ms).replace(/\.0+$/, "")} ms`)),
+      el("dl.figures", {}, ...[["largest error", angle(r.peak_yaw_error_arcmin ?? r.registration.peak_arcmin), number(r.registration.peak_px, "px")],
+        ["fastest swim", number(r.swim.peak_deg_s, "\u00b0/s"), "RMS " + number(r.swim.rms_deg_s, "\u00b0/s")],
+        ["effective latency", number(r.effective_latency_ms, "ms"), `of ${number(r.latency_ms).replace(/\.0+$/, "")} ms injected`]]
+        .map(([name, value, more]) => el("div", {}, el("dt", {}, name), el("dd", {}, value, el("small", {}, more)))))));
+  }
+  page.append(cards);
+  if (data.heroes && data.heroes.length) {
+    page.append(el("div.pictures", {}, ...data.heroes.map((hero) => el("figure", {}, pictureButton(hero, hero.title, hero.caption),
+      el("figcaption", {}, el("strong", {}, hero.title + ". "), hero.caption)))));
+  }
+}
+
+function verdict(word) {
+  return el("span.verdict." + word, {}, el("i.dot"), { pass: "pass", warn: "warn", fail: "FAIL", none: "no expectation" }[word] || word);
+}
+
+function table(columns, rows, label) {
+  const head = el("tr", {}, ...columns.map((c) => el("th" + (c.text ? ".text" : ""), { scope: "col" }, c.name, c.unit ? el("small", {}, c.unit) : null)));
+  const body = rows.map((r) => el("tr", {}, ...columns.map((c) => el("td" + (c.text ? ".text" : "") + (c.wrap ? ".wrap" : ""), {}, c.value(r)))));
+  return el("div.scroll", { tabindex: "0", role: "region", "aria-label": label }, el("table", {}, el("thead", {}, head), el("tbody", {}, ...body)));
+}
+
+function checks() {
+  if (!summary.checks || !summary.checks.length) return;
+  const passed = summary.checks.filter((c) => c.verdict === "pass").length;
+  const node = section("What theory demands",
+    el("p", {}, `Each run first measures cases with known answers. ${passed === summary.checks.length ? "All" : passed + " of"} ${passed === summary.checks.length ? passed : summary.checks.length} agree with them. ` +
+      "The number is the line of the evaluation plan under \u201cValues that theory demands\u201d."));
+  node.append(table([
+    { name: "Value", text: true, value: (c) => String(c.value) },
+    { name: "What", text: true, wrap: true, value: (c) => c.what },
+    { name: "Expected", value: (c) => (c.comparison === "at_most" ? "\u2264 " : "") + number(c.expected, c.unit) },
+    { name: "Measured", value: (c) => number(c.measured, c.unit) },
+    { name: "Tolerance", value: (c) => (c.comparison === "at_most" ? "\u2013" : "\u00b1" + number(c.tolerance, c.unit)) },
+    { name: "Verdict", text: true, value: (c) => verdict(c.verdict) },
+  ], summary.checks, "Values that theory demands"));
+}
+
+function motions() {
+  const ids = Object.keys(data.motions);
+  if (!ids.length) return;
+  const node = section("Motion by motion", el("p", {}, "Hover over a chart to read values, drag across it to zoom, double-click to go back. On a phone, slide a finger along it."));
+  const tabs = el("div.tabs", { role: "tablist" });
+  const panel = el("div", { role: "tabpanel", "aria-live": "off" });
+  const show = (id) => {
+    destroyCharts(panel);
+    panel.replaceChildren();
+    for (const tab of tabs.children) tab.setAttribute("aria-selected", String(tab.dataset.id === id));
+    const motion = data.motions[id];
+    panel.append(el("p.soft", {}, motion.about));
+    const grid = el("div.charts.two");
+    panel.append(grid);
+    for (const chart of motion.charts) drawChart(chart, grid);
+    if (motion.sheet) {
+      const title = el("h3", {}, "What the eye sees");
+      title.style.marginTop = "32px";
+      panel.append(title);
+      contactSheet(motion.sheet, panel);
+    }
+  };
+  for (const id of ids) {
+    tabs.append(el("button", { type: "button", role: "tab", "data-id": id, "aria-selected": "false", onclick: () => show(id) }, data.motions[id].tab));
+  }
+  node.append(tabs, panel);
+  show(data.headline.motion in data.motions ? data.headline.motion : ids[0]);
+}
+
+function sweeps() {
+  if (!data.sweeps || !data.sweeps.length) return;
+  const node = section("How it grows with latency", el("p", {}, "Computed analytically, without pictures, by the same code that made the rows above."));
+  const grid = el("div.charts.two");
+  node.append(grid);
+  for (const chart of data.sweeps) drawChart(chart, grid);
+}
+
+function expectedText(r) {
+  if (!r.expected) return "\u2013";
+  return Object.entries(r.expected).map(([key, value]) => `${key.replace(/_(px|arcmin|deg_s|ms|mm|deg)$/, "").replaceAll("_", " ")} ${number(value, unitOf(key))}`).join(", ");
+}
+function unitOf(key) {
+  const found = key.match(/_(px|arcmin|deg_s|ms|mm|deg)$/);
+  return found ? { deg_s: "\u00b0/s", deg: "\u00b0" }[found[1]] || found[1] : "";
+}
+
+function results() {
+  const node = section("Every row", el("p", {}, "One row is one motion seen by one pipeline, eye, lens, display and latency. Theory stands beside the measurement where a closed form exists."));
+  const of = (key) => (r) => number(r[key]);
+  node.append(table([
+    { name: "Motion", text: true, value: (r) => r.motion },
+    { name: "Pipeline", text: true, value: (r) => r.pipeline },
+    { name: "Eye", text: true, value: (r) => r.eye },
+    { name: "Lens", text: true, value: (r) => r.lens },
+    { name: "Display", text: true, value: (r) => r.display },
+    { name: "Latency", unit: "ms", value: of("latency_ms") },
+    { name: "Error RMS", unit: "px", value: (r) => number(r.registration.rms_px) },
+    { name: "peak", unit: "px", value: (r) => number(r.registration.peak_px) },
+    { name: "RMS", unit: "arcmin", value: (r) => number(r.registration.rms_arcmin) },
+    { name: "peak", unit: "arcmin", value: (r) => number(r.registration.peak_arcmin) },
+    { name: "RMS", unit: "mm", value: (r) => number(r.registration.rms_mm) },
+    { name: "Swim RMS", unit: "\u00b0/s", value: (r) => number(r.swim.rms_deg_s) },
+    { name: "peak", unit: "\u00b0/s", value: (r) => number(r.swim.peak_deg_s) },
+    { name: "Effective latency", unit: "ms", value: of("effective_latency_ms") },
+    { name: "Peak yaw error", unit: "arcmin", value: of("peak_yaw_error_arcmin") },
+    { name: "Theory", text: true, value: expectedText },
+    { name: "Picture against theory", unit: "px RMS", value: of("picture_vs_theory_px") },
+    { name: "Verdict", text: true, value: (r) => verdict(r.verdict) },
+  ], summary.rows, "All rows"));
+}
+
+function glossary() {
+  section("The words");
+  page.lastElementChild.append(el("dl.terms", {}, ...[
+    ["Registration error", "how far a virtual disc stands from its real twin in the picture: in pixels, as an angle, and in millimetres at the disc's depth."],
+    ["Swim velocity", "how fast that error changes. A constant error is a misplaced object; a changing one is an object that slides."],
+    ["Latency", "time between the tracker's measurement and the light of the frame that used it."],
+    ["Effective latency", "the delay by which the displayed motion really trails the true one. Prediction brings it towards zero."],
+    ["arcmin", "a sixtieth of a degree. Sharp eyes resolve about one."],
+    ["P0, no prediction", "the picture is drawn for the pose that was measured."],
+    ["P1, constant velocity", "the pose is carried on over the latency at the velocity measured last."],
+    ["Theory", "the closed form for that motion: for a sine of frequency f and latency T, no prediction errs by 2\u00a0sin(\u03c0\u00a0f\u00a0T) of the amplitude."],
+  ].flatMap(([term, text]) => [el("dt", {}, term), el("dd", {}, text)])));
+}
+
+function making() {
+  const e = summary.environment, t = summary.timing;
+  const node = section("How it was made");
+  node.append(el("pre", {}, summary.command || ""));
+  const facts = [["Renderer", [e.gl_renderer, e.gl_version, e.backend].filter(Boolean).join(" \u00b7 ") || "no pictures were drawn"], ["Display", e.display], ["Scene", e.scene], ["Seed", String(summary.seed)], ["Holdfast", e.holdfast_version]];
+  if (t) {
+    facts.push(["Bare draw and readback", number(t.draw_readback_ms, "ms")], ["Whole frame loop", `${number(t.frame_loop_ms, "ms")} for ${t.pictures} pictures, ${number(t.ratio)} times the bare time`],
+      ["Encoding apart", `${number(t.encode_ms, "ms")}`]);
+  }
+  node.append(el("dl.terms", {}, ...facts.filter(([, text]) => text).flatMap(([term, text]) => [el("dt", {}, term), el("dd", {}, text)])));
+  node.append(el("p.note", {}, "Charts are drawn by dygraphs (MIT licence), embedded in this file. Latency is not the only error of a real headset; this report shows what the chosen settings leave."));
+}
+
+introduction();
+checks();
+motions();
+sweeps();
+results();
+glossary();
+making();
+document.documentElement.dataset.ready = "true";

@@ -232,6 +232,7 @@ TEST_CASE("text that is no JSON names its line") {
   check_error(good.substr(0, good.find("640")), 9, "", "not valid JSON", "");
   check_error("", 1, "", "not valid JSON", "");
   check_error("\n\n\xff", 3, "", "not valid JSON", "");
+  check_error(good + std::string("\n\0{\"", 4), 20, "", "zero byte", "");
   check_error(with("\"name\": \"test\",", "\"name\": \"test\",\n\"ipd_m\": 0.07,"), 6, "ipd_m", "twice", "");
   check_error(std::string(100, '[') + std::string(100, ']'), 0, "", "too deeply", "");
   check_error(std::string(5'000'000, ' '), 0, "", "too long", "");

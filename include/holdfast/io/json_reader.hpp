@@ -81,6 +81,10 @@ class JsonDocument {
     JsonDocument document;
     document.file_ = std::move(file);
     if (text.size() > longest) document.refuse(0, "", "the file is too long", "at most 4 MB");
+    // The JSON library takes a zero byte for the end of the text.
+    if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos) {
+      document.refuse(line_at(text, zero), "", "the text holds a zero byte", "JSON in UTF-8");
+    }
     document.json_ = document.parsed(text);
     document.lines_ = JsonLineScanner(text).scan();
     if (document.lines_.too_deep)

@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include <holdfast/motion/motion_state.hpp>
+#include <holdfast/motion/motion.hpp>
 
 namespace holdfast {
 

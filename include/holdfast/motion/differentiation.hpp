@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include <holdfast/motion/motion_state.hpp>
+#include <holdfast/motion/motion.hpp>
 #include <holdfast/motion/timed_pose.hpp>
 
 namespace holdfast {

@@ -11,7 +11,7 @@
 
 #include <holdfast/assert.hpp>
 #include <holdfast/motion/jet.hpp>
-#include <holdfast/motion/motion_state.hpp>
+#include <holdfast/motion/motion.hpp>
 
 namespace holdfast {
 

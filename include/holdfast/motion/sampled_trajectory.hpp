@@ -13,7 +13,7 @@
 #include <vector>
 
 #include <holdfast/assert.hpp>
-#include <holdfast/motion/motion_state.hpp>
+#include <holdfast/motion/motion.hpp>
 #include <holdfast/motion/timed_pose.hpp>
 
 namespace holdfast {

@@ -1,16 +1,17 @@
 /// Predictors: from what the tracker last said to the pose at a display's time, with covariance and a status.
 ///
 ///   none               X(t + T) = X(t)
-///   constant velocity  p(t + T) = p + v_WB T,  R(t + T) = R exp(w_WB_B T)          (000 section 5.3; 001 section 5.2 without its
+///   constant velocity  p(t + T) = p + v_WB T,  R(t + T) = R exp(w_WB_B T)          (000 section 5.3; 001 section 5.2
+///   without its
 ///                                                                                   acceleration terms)
 /// w_WB_B is expressed in B, so turning the whole world leaves the prediction as it is, turned.
 ///
-/// What limits a prediction is stated, never silent: the interval is clamped to PredictionLimits::maximum_interval, and every other
-/// departure has its PredictionStatus. The pose of a result is always usable, whatever the status.
+/// What limits a prediction is stated, never silent: the interval is clamped to PredictionLimits::maximum_interval, and
+/// every other departure has its PredictionStatus. The pose of a result is always usable, whatever the status.
 ///
-/// Covariance (6x6 of (dp, dphi), see pose_estimate.hpp): the estimate's own is carried through the prediction with its cross terms;
-/// to it comes what the head may do meanwhile (HeadDynamics). For none that is the movement that was ignored, for constant velocity
-/// the acceleration that was, a T^2 / 2.
+/// Covariance (6x6 of (dp, dphi), see pose_estimate.hpp): the estimate's own is carried through the prediction with its
+/// cross terms; to it comes what the head may do meanwhile (HeadDynamics). For none that is the movement that was
+/// ignored, for constant velocity the acceleration that was, a T^2 / 2.
 ///
 /// Nothing here allocates, locks or throws. Bad input: statuses not_finite, backwards, no_velocity.
 #pragma once
@@ -25,7 +26,8 @@
 namespace holdfast {
 
 struct PredictionLimits {
-  /// Beyond this the pose is held where it was predicted to be by then: an extrapolated velocity is worth little after 100 ms.
+  /// Beyond this the pose is held where it was predicted to be by then: an extrapolated velocity is worth little after
+  /// 100 ms.
   Duration maximum_interval = std::chrono::milliseconds(100);
 };
 
@@ -43,23 +45,29 @@ enum class PredictionStatus {
   no_velocity,  ///< constant velocity was asked, but the estimate has none: the pose is held
   clamped,      ///< the interval is longer than the limit: predicted up to it, held from there
   backwards,    ///< the time asked lies before the estimate: the pose is held
-  not_finite    ///< the estimate holds a NaN or an infinity: the pose is held, or the identity if it is the pose that is bad
+  not_finite  ///< the estimate holds a NaN or an infinity: the pose is held, or the identity if it is the pose that is
+              ///< bad
 };
 
 [[nodiscard]] constexpr std::string_view to_string(PredictionStatus status) {
   switch (status) {
-    case PredictionStatus::ok: return "ok";
-    case PredictionStatus::no_velocity: return "no_velocity";
-    case PredictionStatus::clamped: return "clamped";
-    case PredictionStatus::backwards: return "backwards";
-    case PredictionStatus::not_finite: return "not_finite";
+    case PredictionStatus::ok:
+      return "ok";
+    case PredictionStatus::no_velocity:
+      return "no_velocity";
+    case PredictionStatus::clamped:
+      return "clamped";
+    case PredictionStatus::backwards:
+      return "backwards";
+    case PredictionStatus::not_finite:
+      return "not_finite";
   }
   return "unknown";
 }
 
 struct PredictionResult {
-  HostTime t;       ///< the time that was asked for
-  Rigid X_WB;       ///< the predicted pose
+  HostTime t;  ///< the time that was asked for
+  Rigid X_WB;  ///< the predicted pose
   Matrix6 covariance = Matrix6::Zero();
   PredictionStatus status = PredictionStatus::ok;
   Duration interval{0};  ///< what was extrapolated over: 0 when the pose was held
@@ -77,8 +85,8 @@ namespace detail {
 
 /// t - from in seconds, without integer overflow for any two times.
 [[nodiscard]] inline double seconds_between(HostTime from, HostTime t) {
-  const double seconds = (static_cast<double>(t.time_since_epoch().count()) -
-                          static_cast<double>(from.time_since_epoch().count())) * 1e-9;
+  const double seconds =
+      (static_cast<double>(t.time_since_epoch().count()) - static_cast<double>(from.time_since_epoch().count())) * 1e-9;
   return std::abs(seconds) > 1e6 ? seconds : to_seconds(t - from);
 }
 
@@ -87,8 +95,8 @@ inline void add_isotropic(Matrix6& covariance, double sigma_p, double sigma_phi)
   covariance.diagonal().tail<3>().array() += sigma_phi * sigma_phi;
 }
 
-/// Adds what may happen in `seconds` during which the pose is held: the known movement, as an error, or else the usual speed; and
-/// the usual acceleration.
+/// Adds what may happen in `seconds` during which the pose is held: the known movement, as an error, or else the usual
+/// speed; and the usual acceleration.
 inline void add_held(Matrix6& covariance, const PoseEstimate& estimate, double seconds, const HeadDynamics& head) {
   if (estimate.velocity) {
     Vector6 missed;

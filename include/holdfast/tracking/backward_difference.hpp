@@ -1,9 +1,9 @@
 /// Causal velocity from the two newest poses: (newer - older) / dt.
 ///
-/// The mean velocity over the interval, assigned to the newer time; it therefore lags the true velocity by dt / 2. With measured
-/// poses of independent noise s, the velocity's standard deviation is sqrt(2) s / dt and it errs together with the newer pose
-/// (covariance s^2 / dt), which the result's covariance carries. The angular velocity log(R_older^-1 R_newer) / dt is expressed in B.
-/// Bad input: times that do not increase give an estimate without velocity.
+/// The mean velocity over the interval, assigned to the newer time; it therefore lags the true velocity by dt / 2. With
+/// measured poses of independent noise s, the velocity's standard deviation is sqrt(2) s / dt and it errs together with
+/// the newer pose (covariance s^2 / dt), which the result's covariance carries. The angular velocity log(R_older^-1
+/// R_newer) / dt is expressed in B. Bad input: times that do not increase give an estimate without velocity.
 #pragma once
 
 #include <cmath>

@@ -3,9 +3,9 @@
 /// Errors are small vectors in this order, 3 numbers each:
 ///   d = (dp, dphi, dv, dw):  p_true = p + dp (W, m),  R_true = R exp(dphi) (about B's axes, rad),
 ///                            v_true = v + dv (W, m/s),  w_true = w + dw (B, rad/s).
-/// `covariance` is E[d d^T], 12x12, with the cross terms between pose and velocity: without them a prediction's uncertainty would
-/// be wrong, for a velocity that comes from poses errs together with them. With no velocity only the upper left 6x6 counts.
-/// A zero covariance says "exact" (simulated truth); a tracker never says so.
+/// `covariance` is E[d d^T], 12x12, with the cross terms between pose and velocity: without them a prediction's
+/// uncertainty would be wrong, for a velocity that comes from poses errs together with them. With no velocity only the
+/// upper left 6x6 counts. A zero covariance says "exact" (simulated truth); a tracker never says so.
 #pragma once
 
 #include <optional>

@@ -1,0 +1,190 @@
+/// How well predictors would have done on a recording: 001's figure 6 on any samples.
+///
+/// At every sample i the tracker knows samples 0..i. The velocity is the backward difference of sample i and the
+/// recording 16.7 ms earlier (interpolated between known samples; where samples are rarer, the sample before). Each
+/// predictor extrapolates over the interval, and the result is compared with the truth at t_i + interval: by default
+/// the recording itself, interpolated (linear, constant rate), or a truth of your own, such as its non-causal 10 Hz
+/// low-pass (001 appendix B).
+///   angle error     angle of R_true^-1 R_predicted (001 section 5.3; its printed 2 cos(qw) means 2 acos(|qw|)),
+///   degrees position error  |p_predicted - p_true|, millimetres
+/// A sample is left out when a gap (an interval longer than five medians) lies between its velocity's start and its
+/// truth, or when the recording ends before: counted in `skipped`. The order of rows is that of `predictors`.
+/// Precondition: samples' times strictly increase. Bad input: fewer samples than one evaluation needs gives rows of
+/// zero samples.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include <holdfast/geometry/angle.hpp>
+#include <holdfast/motion/low_pass.hpp>
+#include <holdfast/motion/sampled_trajectory.hpp>
+#include <holdfast/prediction/predictor.hpp>
+#include <holdfast/tracking/backward_difference.hpp>
+
+namespace holdfast {
+
+struct ErrorSummary {
+  double mean = 0.0, p95 = 0.0, peak = 0.0;
+};
+
+/// Mean, 95th percentile (nearest rank) and greatest of a series; zeros for an empty one.
+[[nodiscard]] inline ErrorSummary summarize(std::span<const double> errors) {
+  if (errors.empty()) return {};
+  std::vector<double> sorted(errors.begin(), errors.end());
+  std::ranges::sort(sorted);
+  ErrorSummary summary;
+  for (const double error : sorted) summary.mean += error;
+  summary.mean /= static_cast<double>(sorted.size());
+  const auto rank = static_cast<std::size_t>(std::ceil(0.95 * static_cast<double>(sorted.size())));
+  summary.p95 = sorted[rank - 1];
+  summary.peak = sorted.back();
+  return summary;
+}
+
+/// The error of one prediction.
+struct PredictionError {
+  HostTime t;  ///< the time predicted for
+  double angle_deg = 0.0;
+  double position_mm = 0.0;
+};
+
+struct PredictorRow {
+  Predictor predictor = Predictor::none;
+  ErrorSummary angle_deg, position_mm;
+  double jitter_arcmin = 0.0;  ///< orientation error between 3 and 12 Hz, root mean square
+  std::vector<PredictionError> errors;
+};
+
+struct EvaluationSettings {
+  Duration interval = std::chrono::milliseconds(60);
+  Duration velocity_window = std::chrono::microseconds(16700);
+  PredictionLimits limits{
+      std::chrono::hours(1)};  ///< an evaluation shall show what a long interval does, not the clamp
+};
+
+struct PredictorEvaluation {
+  Duration interval{0};
+  std::size_t skipped = 0;  ///< samples without truth or across a gap
+  std::vector<PredictorRow> rows;
+};
+
+namespace detail {
+
+/// Finds, for times that only increase, the pose of a recording; remembers where it was.
+class Walker {
+ public:
+  explicit Walker(std::span<const TimedPose> samples) : samples_(samples) {}
+
+  /// Precondition: t within the samples' times, not before the last one asked.
+  [[nodiscard]] Rigid at(HostTime t) {
+    while (next_ + 1 < samples_.size() && samples_[next_].t < t) ++next_;
+    const TimedPose& b = samples_[next_];
+    if (b.t == t || next_ == 0) return b.X_WB;
+    const TimedPose& a = samples_[next_ - 1];
+    return interpolate(a.X_WB, b.X_WB, to_seconds(t - a.t) / to_seconds(b.t - a.t));
+  }
+
+ private:
+  std::span<const TimedPose> samples_;
+  std::size_t next_ = 1;
+};
+
+/// For each sample the time at which its stretch without gaps begins and ends.
+struct Stretches {
+  std::vector<HostTime> first, last;
+
+  Stretches(std::span<const TimedPose> samples, Duration longest) : first(samples.size()), last(samples.size()) {
+    const std::size_t n = samples.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      first[i] = i > 0 && samples[i].t - samples[i - 1].t <= longest ? first[i - 1] : samples[i].t;
+    }
+    for (std::size_t i = n; i-- > 0;) {
+      last[i] = i + 1 < n && samples[i + 1].t - samples[i].t <= longest ? last[i + 1] : samples[i].t;
+    }
+  }
+};
+
+[[nodiscard]] inline PredictionError error_of(const PredictionResult& predicted, const Rigid& X_WB_true) {
+  PredictionError error;
+  error.t = predicted.t;
+  error.angle_deg = radians(so3::angle_between<double>(X_WB_true.q(), predicted.X_WB.q())).degrees();
+  error.position_mm = 1e3 * (predicted.X_WB.p() - X_WB_true.p()).norm();
+  return error;
+}
+
+/// Root mean square of what error vectors (rad) hold between 3 and 12 Hz, where jitter is seen (001 appendix D), in arc
+/// minutes. The vectors count as evenly spaced by `interval`, also across what was skipped. Below a rate of 24 Hz all
+/// above 3 Hz counts.
+[[nodiscard]] inline double band_jitter_arcmin(std::span<const Vector3> error_vectors, Duration interval) {
+  const double slow = 3.0 * to_seconds(interval), fast = 12.0 * to_seconds(interval);
+  if (error_vectors.size() < 3 || !(slow > 0.0 && slow < 0.5)) return 0.0;
+  std::vector<Vector7> below(error_vectors.size(), Vector7::Zero());
+  for (std::size_t i = 0; i < below.size(); ++i) below[i].head<3>() = error_vectors[i];
+  std::vector<Vector7> band = below;
+  filter_both_ways(below, slow);
+  if (fast < 0.5) filter_both_ways(band, fast);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < band.size(); ++i) sum += (band[i] - below[i]).squaredNorm();
+  return radians(std::sqrt(sum / static_cast<double>(band.size()))).arcmin();
+}
+
+}  // namespace detail
+
+/// Evaluates every predictor on `samples` against `truth`, whose times must cover the samples'.
+[[nodiscard]] inline PredictorEvaluation evaluate_predictors(std::span<const TimedPose> samples,
+                                                             std::span<const TimedPose> truth,
+                                                             const EvaluationSettings& settings = {}) {
+  PredictorEvaluation evaluation;
+  evaluation.interval = settings.interval;
+  for (const Predictor predictor : predictors) {
+    evaluation.rows.emplace_back();
+    evaluation.rows.back().predictor = predictor;
+    evaluation.rows.back().errors.reserve(samples.size());
+  }
+  if (samples.empty() || truth.size() < 2) {
+    evaluation.skipped = samples.size();
+    return evaluation;
+  }
+  evaluation.skipped = 1;  // the first sample has no velocity
+  std::array<std::vector<Vector3>, predictors.size()> error_vectors;
+  const Duration usual = median_interval(samples);
+  const detail::Stretches stretches(samples, 5 * usual);
+  detail::Walker known(samples), future(truth);
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    const HostTime target = samples[i].t + settings.interval;
+    const HostTime earlier = std::min(samples[i].t - settings.velocity_window, samples[i - 1].t);
+    if (earlier < stretches.first[i] || target > stretches.last[i] || target > truth.back().t) {
+      ++evaluation.skipped;
+      continue;
+    }
+    const PoseEstimate estimate = backward_difference({earlier, known.at(earlier)}, samples[i]);
+    const Rigid X_WB_true = future.at(target);
+    for (std::size_t k = 0; k < predictors.size(); ++k) {
+      const PredictionResult predicted = predict(predictors[k], estimate, target, settings.limits);
+      evaluation.rows[k].errors.push_back(detail::error_of(predicted, X_WB_true));
+      error_vectors[k].push_back(so3::log<double>(X_WB_true.q().conjugate() * predicted.X_WB.q()));
+    }
+  }
+  for (std::size_t k = 0; k < predictors.size(); ++k) {
+    PredictorRow& row = evaluation.rows[k];
+    std::vector<double> series(row.errors.size());
+    std::ranges::transform(row.errors, series.begin(), &PredictionError::angle_deg);
+    row.angle_deg = summarize(series);
+    std::ranges::transform(row.errors, series.begin(), &PredictionError::position_mm);
+    row.position_mm = summarize(series);
+    row.jitter_arcmin = detail::band_jitter_arcmin(error_vectors[k], usual);
+  }
+  return evaluation;
+}
+
+/// The same with the recording itself as the truth.
+[[nodiscard]] inline PredictorEvaluation evaluate_predictors(std::span<const TimedPose> samples,
+                                                             const EvaluationSettings& settings = {}) {
+  return evaluate_predictors(samples, samples, settings);
+}
+
+}  // namespace holdfast

@@ -1,0 +1,6 @@
+/// Everything of prediction/.
+#pragma once
+
+#include <holdfast/prediction/evaluation.hpp>
+#include <holdfast/prediction/predictor.hpp>
+#include <holdfast/prediction/predictor_theory.hpp>

@@ -1,0 +1,119 @@
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+
+#include <doctest/doctest.h>
+
+#include <holdfast/motion/generators.hpp>
+#include <holdfast/prediction/evaluation.hpp>
+#include <holdfast/prediction/predictor_theory.hpp>
+
+using namespace holdfast;
+
+namespace {
+
+/// The head recording, read without io, which these tests do not link. Times: the fraction alone matters here.
+std::vector<TimedPose> head_recording() {
+  std::ifstream file(std::filesystem::path(HOLDFAST_RECORDINGS) / "head/optitrack_head_120hz.tum");
+  std::vector<TimedPose> poses;
+  std::string line;
+  while (std::getline(file, line)) {
+    if (line.empty() || line[0] == '#') continue;
+    std::istringstream row(line);
+    double t, x, y, z, qx, qy, qz, qw;
+    row >> t >> x >> y >> z >> qx >> qy >> qz >> qw;
+    poses.push_back({time_at(t - 1705504375.0), Rigid(Quaternion(qw, qx, qy, qz), Vector3(x, y, z))});
+  }
+  return poses;
+}
+
+}  // namespace
+
+TEST_CASE("a summary is mean, 95th percentile by nearest rank, peak") {
+  std::vector<double> errors;
+  for (int i = 100; i >= 1; --i) errors.push_back(i);
+  const ErrorSummary s = summarize(errors);
+  CHECK(s.mean == doctest::Approx(50.5));
+  CHECK(s.p95 == 95.0);
+  CHECK(s.peak == 100.0);
+  CHECK(summarize({}).peak == 0.0);
+}
+
+TEST_CASE("on a yaw sine the peak errors are theory's") {
+  const auto motion = make_yaw_sine(2.0, degrees(3.0), std::chrono::seconds(10));
+  const auto samples = sample(*motion, std::chrono::milliseconds(2));
+  EvaluationSettings settings;
+  settings.velocity_window = std::chrono::milliseconds(2);
+  const PredictorEvaluation e = evaluate_predictors(samples, settings);
+  REQUIRE(e.rows.size() == 2);
+  CHECK(e.rows[0].predictor == Predictor::none);
+  CHECK(e.rows[0].angle_deg.peak == doctest::Approx(3.0 * theory::error(theory::Order::none, 2.0, 0.06)).epsilon(1e-3));
+  // The velocity is 1 ms old, which adds x * 2 pi f * 1 ms = 0.0095 of amplitude to an error of 0.28.
+  CHECK(e.rows[1].angle_deg.peak ==
+        doctest::Approx(3.0 * theory::error(theory::Order::constant_velocity, 2.0, 0.06)).epsilon(0.05));
+  CHECK(e.rows[1].position_mm.peak < 1e-9);
+  CHECK(e.rows[0].errors.size() + e.skipped == samples.size());
+  CHECK(e.rows[0].errors.front().t == samples[1].t + settings.interval);
+}
+
+TEST_CASE("samples across a gap or without truth are skipped and counted") {
+  std::vector<TimedPose> samples;
+  for (int i = 0; i < 100; ++i)
+    samples.push_back({time_at(0.01 * i + (i >= 50 ? 1.0 : 0.0)), Rigid::translation(Vector3(i >= 50 ? 9 : 0, 0, 0))});
+  EvaluationSettings settings;
+  settings.interval = std::chrono::milliseconds(50);
+  settings.velocity_window = std::chrono::milliseconds(20);
+  const PredictorEvaluation e = evaluate_predictors(samples, settings);
+  // Of each stretch of 50 the first 2 have no velocity and the last 5 no truth.
+  CHECK(e.skipped == 14);
+  CHECK(e.rows[0].errors.size() == 86);
+  CHECK(e.rows[1].position_mm.peak == 0.0);  // nothing moved within a stretch
+  CHECK(evaluate_predictors({}, settings).rows[0].errors.empty());
+}
+
+TEST_CASE("jitter counts errors of 3 to 12 Hz, not slow ones") {
+  const auto jitter = [](double hz) {
+    const auto motion = make_yaw_sine(hz, degrees(1.0), std::chrono::seconds(20));
+    EvaluationSettings settings;
+    return evaluate_predictors(sample(*motion, std::chrono::milliseconds(8)), settings).rows[0].jitter_arcmin;
+  };
+  const double rms = 60.0 * theory::error(theory::Order::none, 6.0, 0.06) / std::numbers::sqrt2;
+  // Two second-order filters: gain at 6 Hz 1/(1 + (6/12)^4 0.41) - 1/(1 + 2^4 0.41) = 0.84.
+  CHECK(jitter(6.0) == doctest::Approx(0.84 * rms).epsilon(0.03));
+  CHECK(jitter(0.3) < 0.01 * rms);
+}
+
+TEST_CASE("the head recording: no worse than the plain script's figures in the data's README") {
+  const auto samples = head_recording();
+  if (samples.empty()) {
+    MESSAGE("skipped: no recordings at " << HOLDFAST_RECORDINGS);
+    return;
+  }
+  const auto low_passed = zero_phase_low_pass(samples, 10.0);
+  struct Case {
+    double ms, none_deg, velocity_deg, none_mm, velocity_mm;
+  };
+  // The README prints three figures: half a unit of the last counts as no worse.
+  for (const Case& c : {Case{16.7, 0.3255, 0.0645, 1e9, 1e9}, Case{58.3, 1.125, 0.335, 1e9, 1e9},
+                        Case{100.0, 1.915, 0.765, 11.15, 2.445}}) {
+    EvaluationSettings settings;
+    settings.interval = from_milliseconds(c.ms);
+    const PredictorEvaluation e = evaluate_predictors(samples, settings);
+    const PredictorEvaluation smooth = evaluate_predictors(samples, low_passed, settings);
+    for (const auto* evaluation : {&e, &smooth}) {
+      for (const PredictorRow& row : evaluation->rows) {
+        MESSAGE(c.ms << " ms " << to_string(row.predictor) << (evaluation == &e ? " raw" : " 10 Hz truth") << ": angle "
+                     << row.angle_deg.mean << " / " << row.angle_deg.p95 << " / " << row.angle_deg.peak
+                     << " deg, position " << row.position_mm.mean << " / " << row.position_mm.p95 << " / "
+                     << row.position_mm.peak << " mm, jitter " << row.jitter_arcmin << " arcmin, " << row.errors.size()
+                     << " samples");
+      }
+    }
+    CHECK(e.rows[0].angle_deg.mean <= c.none_deg);
+    CHECK(e.rows[1].angle_deg.mean <= c.velocity_deg);
+    CHECK(e.rows[0].position_mm.mean <= c.none_mm);
+    CHECK(e.rows[1].position_mm.mean <= c.velocity_mm);
+  }
+}

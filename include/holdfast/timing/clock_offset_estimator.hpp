@@ -212,10 +212,10 @@ std::optional<ClockEstimate<From, To>> ClockOffsetEstimator<From, To, Bins>::est
   // With n bins whose earliest arrivals lie `excess` above the line on average, the line's own error is a few excess /
   // n. The first two bins say nothing about that; the scatter of single messages then stands in, which is too much
   // rather than too little.
-  const double touch = size_ < 3 ? scatter : 6.0 * excess / (n - 2.0);
+  const double touch = size_ < 3 ? scatter : 12.0 * excess / (n - 2.0);
   const double span = std::max(-points[0].x, 1.0);
   const double skew_uncertainty =
-      std::min(2.0 * options_.max_skew, size_ < 3 ? 2.0 * options_.max_skew : 2.0 * touch / span);
+      std::min(2.0 * options_.max_skew, size_ < 3 ? 2.0 * options_.max_skew : 1.5 * touch / span);
   const auto whole = [](double ns) { return Duration(std::llround(ns)); };
   ClockEstimate<From, To> answer;
   const TimePoint<To> reference(newest.stamp.time_since_epoch() + Duration(newest.difference) + whole(height));

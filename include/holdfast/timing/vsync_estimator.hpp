@@ -2,9 +2,18 @@
 ///
 /// 001 appendix E: the predictor knows the renderer's future starting points from a stream of past ones. Observations
 /// may be late (the process woke up late) and may be missing; they are never early. Frame number times nominal period
-/// is taken for the display's own clock, and a ClockOffsetEstimator relates it to the host's. Bad input: observations
-/// that run backward or fit no vsync are refused, see ClockSample.
+/// is taken for the display's own clock, and a ClockOffsetEstimator relates it to the host's. An observation later than
+/// 0.6 of a refresh cannot be told from an early one of the next vsync, so it is refused (ClockSample::jump); 20 such
+/// in a row mean that the display changed its phase, and learning starts afresh. No allocation, lock or throw. Not
+/// thread-safe.
 #pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
 
 #include <holdfast/timing/clock_offset_estimator.hpp>
 #include <holdfast/timing/display_timing.hpp>
@@ -17,8 +26,12 @@ class VsyncEstimator {
   explicit VsyncEstimator(const DisplayTiming& nominal) : nominal_(nominal), estimator_(options()) {}
 
   ClockSample update(HostTime observed) {
-    if (estimator_.samples() == 0) nominal_.first_vsync = observed;
-    return estimator_.update(display_time(nearest_number(observed)), observed);
+    if (seen_ > 0 && observed <= last_observed_) return ClockSample::backward_arrival;
+    last_observed_ = observed;
+    if (seen_ >= first_observations) return place(observed);
+    first_[seen_++] = observed;
+    if (seen_ == first_observations) place_first();
+    return ClockSample::accepted;
   }
 
   /// The nominal description with refresh_hz and first_vsync (a recent one) as observed; nothing before ten
@@ -51,24 +64,57 @@ class VsyncEstimator {
     return TimePoint<DisplayClock>(vsync_at(nominal_, n) - nominal_.first_vsync);
   }
 
-  /// Number of the vsync that an observation belongs to: the nearest by the estimate, else by the last observation.
-  [[nodiscard]] std::int64_t nearest_number(HostTime observed) {
-    const double hz = nominal_.refresh_hz;
-    const auto estimate = estimator_.estimate();
-    if (estimate) {
-      const TimePoint<DisplayClock> t = estimate->offset.convert(observed);
-      last_number_ = std::llround(to_seconds(t.time_since_epoch()) * hz);
-    } else if (estimator_.samples() > 0) {
-      last_number_ += std::llround(to_seconds(observed - last_observed_) * hz);
+  /// The one of the first observations whose phase agrees best with the others' becomes vsync 0: the first itself may
+  /// be late.
+  void place_first() {
+    double least = 1e300;
+    for (const HostTime candidate : first_) {
+      double disagreement = 0.0;
+      for (const HostTime other : first_) {
+        const double cycles = to_seconds(other - candidate) * nominal_.refresh_hz;
+        disagreement += std::abs(cycles - std::round(cycles));
+      }
+      if (disagreement < least) nominal_.first_vsync = candidate;
+      least = std::min(least, disagreement);
     }
-    last_observed_ = observed;
-    return last_number_;
+    for (const HostTime observed : first_) place(observed);
   }
+
+  /// Finds the vsync that an observation belongs to, and learns from it.
+  ClockSample place(HostTime observed) {
+    const auto estimate = estimator_.estimate();
+    double cycles = 0.0;  // refreshes since vsync 0
+    double early = 0.25;  // what may be early after all, as the estimate itself may be late
+    double late = 0.5;
+    if (estimate) {
+      cycles = to_seconds(estimate->offset.convert(observed).time_since_epoch()) * nominal_.refresh_hz;
+      early = std::clamp(3.0 * to_seconds(estimate->uncertainty) * nominal_.refresh_hz, 0.005, 0.1);
+      late = 0.6;
+    } else {
+      cycles = to_seconds(observed - nominal_.first_vsync) * nominal_.refresh_hz;
+    }
+    const double number = std::floor(cycles + early);
+    if (cycles - number > late) {
+      if (++refused_in_a_row_ >= 20) *this = VsyncEstimator(nominal_);
+      return ClockSample::jump;
+    }
+    const ClockSample verdict = estimator_.update(display_time(static_cast<std::int64_t>(number)), observed);
+    if (verdict == ClockSample::accepted || verdict == ClockSample::restarted) {
+      refused_in_a_row_ = 0;
+      last_number_ = static_cast<std::int64_t>(number);
+    }
+    return verdict;
+  }
+
+  static constexpr std::size_t first_observations = 10;
 
   DisplayTiming nominal_;
   ClockOffsetEstimator<DisplayClock, HostClock> estimator_;
   std::int64_t last_number_ = 0;
   HostTime last_observed_{};
+  std::array<HostTime, first_observations> first_{};
+  std::size_t seen_ = 0;
+  int refused_in_a_row_ = 0;
 };
 
 }  // namespace holdfast

@@ -179,7 +179,7 @@ def osvr_hdk_2_0(folder):
     write("osvr_hdk_2_0.json", "OSVR HDK 2.0",
           "OSVR's descriptor OSVR_HDK_2_0.json: 2160 x 1200 for both eyes, 92 by 92 degrees, distortion samples OSVR_HDK_20_V1 (Apache-2.0). "
           f"Derived: radial polynomial fitted to the left eye's samples (RMS {math.degrees(rms) * 60:.1f} arcmin over {len(kept)} of {len(pairs)}; the rest lie more than a degree off), in paraxial tangents; "
-          "it is extrapolated beyond the last samples, in the panel's corners. Assumed: IPD 63 mm; 90 Hz is the panel's published rate.",
+          "beyond the last samples, in the panel's corners, it is extrapolated and folds over. Assumed: IPD 63 mm; 90 Hz is the panel's published rate.",
           0.063, {"refresh_hz": 90.0},
           {"resolution_px": [1080, 1200], "tangents": t, "lens": lens([1.0] + [c / fit[0] for c in fit[1:]], unit * per_px)})
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <limits>
 #include <random>
 #include <string>
@@ -208,6 +209,38 @@ TEST_CASE("errors name file, line, key, value and what was expected") {
   check_error(with("10.5", "12"), 6, "timing", "scan_duration", "");  // longer than a frame of 90 Hz
   check_error(with("\"refresh_hz\": 90, ", ""), 6, "timing.refresh_hz", "missing", "");
   check_error(with("\"name\": \"test\"", "\"name\": 7"), 3, "name", "not a string", "7");
+}
+
+TEST_CASE("fields that no headset has are refused") {
+  check_error(with("\"right\": 0.6", "\"right\": -0.79999999"), 10, "eyes.left.tangents", "impossibly narrow", "");
+  const std::string no_field = with("\"tangents\"", "\"virtual_image_m\"");
+  const std::string edges = "\"left\": -0.8, \"right\": 0.6,\n        \"down\": -0.5, \"up\": 0.45";
+  check_error(with(edges, "\"w_x\": 500, \"w_y\": 1, \"z_p\": -1, \"x_cw\": 0, \"y_cw\": 0", no_field), 10,
+              "eyes.left.virtual_image_m", "impossibly wide", "");
+  check_error(with(edges, "\"w_x\": 1, \"w_y\": 1, \"z_p\": 1, \"x_cw\": 0, \"y_cw\": 0", no_field), 11,
+              "eyes.left.virtual_image_m.z_p", "out of range", "1");
+}
+
+TEST_CASE("a name that is not UTF-8 does not keep a headset from being written") {
+  HmdModel hmd = default_hmd();
+  hmd.name = "caf\xe9";
+  CHECK(reread(hmd).name == "caf\xef\xbf\xbd");
+}
+
+TEST_CASE("the descriptor in docs/optics.md is read, and its mistake is answered as the page says") {
+  std::ifstream file(std::filesystem::path(HOLDFAST_SOURCE_DIR) / "docs" / "optics.md");
+  REQUIRE(file);
+  const std::string page((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  const std::size_t begin = page.find("```json\n") + 8;
+  const std::string text = page.substr(begin, page.find("```", begin) - begin);
+  CHECK(io::parse_hmd(text, "my.json").left.resolution == PixelSize{1440, 1600});
+  try {
+    static_cast<void>(io::parse_hmd(with("\"right\": 45", "\"rihgt\": 45", text), "my.json"));
+    FAIL("accepted");
+  } catch (const io::InputError& error) {
+    CHECK(page.find(error.what()) != std::string::npos);
+    CHECK(std::string(error.what()).find("my.json:10: eyes.left.angles_deg.rihgt: unknown key") == 0);
+  }
 }
 
 TEST_CASE("fields given twice, or not at all, are refused") {

@@ -31,7 +31,12 @@ inline FieldTangents checked(const JsonNode& node, const FieldResult& result) {
   for (const double t : {result.tangents.left, result.tangents.right, result.tangents.down, result.tangents.up}) {
     if (std::abs(t) > largest_tangent) node.fail("the field of view is impossibly wide", "edges below 89.4 degrees");
   }
-  return result.tangents;
+  constexpr double narrowest = 1e-6;  // 0.2 arc seconds: keeps pixels per tangent within bounds
+  const FieldTangents& t = result.tangents;
+  if (std::abs(t.right - t.left) < narrowest || std::abs(t.up - t.down) < narrowest) {
+    node.fail("the field of view is impossibly narrow", "at least 1e-6 in tangent across and up");
+  }
+  return t;
 }
 
 inline FieldTangents read_tangents(const JsonNode& node) {

@@ -78,7 +78,8 @@ inline OrderedJson timing_json(const DisplayTiming& timing) {
   json["optics_follow_ipd"] = hmd.optics_follow_ipd;
   json["timing"] = detail::timing_json(hmd.timing);
   json["eyes"] = {{"left", detail::eye_json(hmd.left)}, {"right", detail::eye_json(hmd.right)}};
-  return json.dump(2) + "\n";
+  // Text that is not UTF-8 gets replacement characters: a name must not keep a headset from being written.
+  return json.dump(2, ' ', false, detail::OrderedJson::error_handler_t::replace) + "\n";
 }
 
 }  // namespace holdfast::io

@@ -169,7 +169,7 @@ inline std::string listed(std::initializer_list<std::string_view> words) {
   return text;
 }
 
-/// A number for a message: at most six digits, without padding.
+/// A number for a message: the shortest digits that mean it.
 inline std::string brief(double value) {
   std::string text = nlohmann::json(value).dump();
   if (text.size() > 2 && text.substr(text.size() - 2) == ".0") text.resize(text.size() - 2);

@@ -1,0 +1,52 @@
+// What a frame does with an eye allocates nothing: counted by replacing the global operator new of this test program.
+#include <array>
+#include <cstddef>
+#include <cstdlib>
+#include <new>
+
+#include <doctest/doctest.h>
+
+#include <holdfast/optics/optics.hpp>
+
+namespace {
+std::size_t allocations = 0;
+}
+
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* p = std::malloc(size)) return p;
+  throw std::bad_alloc();
+}
+void operator delete(void* p) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::size_t) noexcept {
+  std::free(p);
+}
+
+using namespace holdfast;
+
+TEST_CASE("projection, rays and lenses allocate nothing") {
+  HmdModel hmd = default_hmd();
+  hmd.right.lens = PolynomialLens(std::array<double, 2>{0.22, 0.24}, 0.9);
+  double sum = 0.0;
+  const std::size_t before = allocations;
+  for (const EyeSide side : {EyeSide::left, EyeSide::right}) {
+    const EyeModel& eye = hmd.eye(side);
+    sum += projection_matrix(eye, ClipPlanes{}).sum() + arcmin_per_pixel(eye);
+    const Vector2 pixel = project(eye, Vector3(0.1, 0.2, -1.0)).value();
+    sum += ray_E(eye, pixel).sum() + project_jacobian(eye, Vector3(0.1, 0.2, -1.0)).sum();
+    for (const LensMode mode : {LensMode::none, LensMode::exact, LensMode::cubic, LensMode::uncorrected}) {
+      sum += seen_pixel(eye, mode, pixel).value().sum() + ideal_pixel(eye, mode, pixel).value().sum();
+      sum += drawn_pixel(eye, mode, pixel).value().sum() + ideal_pixel_at_panel(eye, mode, pixel).value().sum();
+    }
+    sum += distort_jacobian(eye.lens, Vector2(0.1, 0.2)).sum();
+  }
+  const std::size_t after = allocations;
+  CHECK(after == before);
+  CHECK(std::isfinite(sum));
+  // The counter does count.
+  const std::size_t start = allocations;
+  ::operator delete(::operator new(4));  // called by name: a new-expression might be optimised away
+  CHECK(allocations > start);
+}

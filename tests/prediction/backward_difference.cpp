@@ -49,7 +49,7 @@ TEST_CASE("the covariance is that of the differences' noise, cross terms include
     return Rigid(X.q() * so3::exp<double>(phi), X.p() + p);
   };
   const Rigid X_older, X_newer(so3::exp<double>(Vector3(0.01, 0.02, 0.0)), Vector3(0.01, 0, 0));
-  const PoseEstimate truth = backward_difference({time_at(0), X_older}, {time_at(dt), X_newer}, noise);
+  const PoseEstimate truth = backward_difference({time_at(0), X_older}, {time_at(dt), X_newer}, noise, no_dynamics);
   Matrix12 sum = Matrix12::Zero();
   const int n = 20000;
   for (int i = 0; i < n; ++i) {
@@ -67,4 +67,12 @@ TEST_CASE("the covariance is that of the differences' noise, cross terms include
       CHECK(std::abs(sum(i, j) - truth.covariance(i, j)) < 0.05 * scale);
     }
   }
+}
+
+TEST_CASE("a velocity's age counts as uncertainty: half the interval times the usual acceleration") {
+  HeadDynamics head;
+  head.acceleration_m_s2 = 2.0;
+  const Matrix12 covariance = backward_difference({time_at(0), Rigid()}, {time_at(0.02), Rigid()}, {}, head).covariance;
+  CHECK(covariance(6, 6) == doctest::Approx(0.02 * 0.02).epsilon(1e-12));
+  CHECK(covariance.topLeftCorner<6, 6>().norm() == 0.0);
 }

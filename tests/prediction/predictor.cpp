@@ -150,14 +150,13 @@ TEST_CASE("value 1: yaw 2 Hz +-3 deg without prediction errs 132.5, 45.1 and 4.5
 TEST_CASE("the covariance carried through agrees with propagated perturbations") {
   const PoseEstimate estimate = some_estimate();
   const Duration interval = std::chrono::milliseconds(90);
-  const HeadDynamics still{0, 0, 0, 0};
   const auto predicted = [&](const VectorOf<double, 12>& d) {
     PoseEstimate e = estimate;
     const Vector3 phi = d.segment<3>(3);
     e.X_WB = Rigid(e.X_WB.q() * so3::exp<double>(phi), e.X_WB.p() + d.head<3>());
     e.velocity->v_WB += d.segment<3>(6);
     e.velocity->w_WB_B += d.segment<3>(9);
-    return predict_constant_velocity(e, e.t + interval, {}, still).X_WB;
+    return predict_constant_velocity(e, e.t + interval, {}, no_dynamics).X_WB;
   };
   const Rigid centre = predicted(VectorOf<double, 12>::Zero());
   Eigen::Matrix<double, 6, 12> F;
@@ -172,15 +171,15 @@ TEST_CASE("the covariance carried through agrees with propagated perturbations")
         (2 * h);
   }
   const Matrix6 expected = F * estimate.covariance * F.transpose();
-  const Matrix6 covariance = predict_constant_velocity(estimate, estimate.t + interval, {}, still).covariance;
+  const Matrix6 covariance = predict_constant_velocity(estimate, estimate.t + interval, {}, no_dynamics).covariance;
   CHECK((covariance - expected).norm() < 1e-8 * expected.norm());  // central differences: h^2
   CHECK((covariance - covariance.transpose()).norm() == 0.0);
 }
 
 TEST_CASE("noise of differenced poses grows as theory says: s^2 ((1 + T/dt)^2 + (T/dt)^2)") {
   const double s = 0.001, dt = 0.0167, T = 0.06;
-  const PoseEstimate estimate = backward_difference({time_at(0), Rigid()}, {time_at(dt), Rigid()}, {s, s});
-  const Matrix6 covariance = predict_constant_velocity(estimate, time_at(dt + T), {}, {0, 0, 0, 0}).covariance;
+  const PoseEstimate estimate = backward_difference({time_at(0), Rigid()}, {time_at(dt), Rigid()}, {s, s}, no_dynamics);
+  const Matrix6 covariance = predict_constant_velocity(estimate, time_at(dt + T), {}, no_dynamics).covariance;
   const double expected = s * s * (std::pow(1 + T / dt, 2) + std::pow(T / dt, 2));
   for (int i = 0; i < 6; ++i) CHECK(covariance(i, i) == doctest::Approx(expected).epsilon(1e-9));
 }

@@ -21,6 +21,7 @@
 #include <cmath>
 #include <string_view>
 
+#include <holdfast/tracking/head_dynamics.hpp>
 #include <holdfast/tracking/pose_estimate.hpp>
 
 namespace holdfast {
@@ -29,15 +30,6 @@ struct PredictionLimits {
   /// Beyond this the pose is held where it was predicted to be by then: an extrapolated velocity is worth little after
   /// 100 ms.
   Duration maximum_interval = std::chrono::milliseconds(100);
-};
-
-/// Root mean square per axis of what a head does, for the covariance of predictions. The defaults are those of the
-/// recording head/optitrack_head_120hz.tum, rounded up (docs/prediction.md).
-struct HeadDynamics {
-  double speed_m_s = 0.1;
-  double angular_speed_rad_s = 0.3;
-  double acceleration_m_s2 = 0.6;
-  double angular_acceleration_rad_s2 = 2.5;
 };
 
 enum class PredictionStatus {

@@ -1,14 +1,16 @@
 /// Causal velocity from the two newest poses: (newer - older) / dt.
 ///
-/// The mean velocity over the interval, assigned to the newer time; it therefore lags the true velocity by dt / 2. With
-/// measured poses of independent noise s, the velocity's standard deviation is sqrt(2) s / dt and it errs together with
-/// the newer pose (covariance s^2 / dt), which the result's covariance carries. The angular velocity log(R_older^-1
-/// R_newer) / dt is expressed in B. Bad input: times that do not increase give an estimate without velocity.
+/// It is the mean velocity over the interval, taken for the one at the newer time; so it is dt / 2 old. The angular
+/// velocity log(R_older^-1 R_newer) / dt is expressed in B. The result's covariance holds, per axis,
+///   measured poses of independent noise s:   s^2 for the pose, 2 s^2 / dt^2 for the velocity, s^2 / dt between them;
+///   the velocity's age:                      (a dt / 2)^2, with the usual acceleration a of a head.
+/// Bad input: times that do not increase give an estimate without velocity.
 #pragma once
 
-#include <cmath>
+#include <array>
 
 #include <holdfast/motion/timed_pose.hpp>
+#include <holdfast/tracking/head_dynamics.hpp>
 #include <holdfast/tracking/pose_estimate.hpp>
 
 namespace holdfast {
@@ -22,23 +24,24 @@ namespace holdfast {
   return twist;
 }
 
-/// The newer pose with the mean velocity since the older one, and the covariance that noise of the poses leaves.
+/// The newer pose with the mean velocity since the older one.
 [[nodiscard]] inline PoseEstimate backward_difference(const TimedPose& older, const TimedPose& newer,
-                                                      const PoseNoise& noise = {}) {
+                                                      const PoseNoise& noise = {}, const HeadDynamics& head = {}) {
   PoseEstimate estimate;
   estimate.t = newer.t;
   estimate.X_WB = newer.X_WB;
-  const double variances[2] = {noise.position_m * noise.position_m, noise.orientation_rad * noise.orientation_rad};
-  const bool in_order = newer.t > older.t;
-  const double dt = in_order ? to_seconds(newer.t - older.t) : 1.0;
+  const std::array variance{noise.position_m * noise.position_m, noise.orientation_rad * noise.orientation_rad};
+  for (int i = 0; i < 6; ++i) estimate.covariance(i, i) = variance[i / 3];
+  if (newer.t <= older.t) return estimate;
+
+  estimate.velocity = mean_twist(older, newer);
+  const double dt = to_seconds(newer.t - older.t);
+  const std::array aged{0.5 * dt * head.acceleration_m_s2, 0.5 * dt * head.angular_acceleration_rad_s2};
   for (int i = 0; i < 6; ++i) {
-    const double s2 = variances[i / 3];
-    estimate.covariance(i, i) = s2;
-    if (!in_order) continue;
-    estimate.covariance(i + 6, i + 6) = 2.0 * s2 / (dt * dt);
-    estimate.covariance(i, i + 6) = estimate.covariance(i + 6, i) = s2 / dt;
+    const int v = i + 6;
+    estimate.covariance(v, v) = 2.0 * variance[i / 3] / (dt * dt) + aged[i / 3] * aged[i / 3];
+    estimate.covariance(i, v) = estimate.covariance(v, i) = variance[i / 3] / dt;
   }
-  if (in_order) estimate.velocity = mean_twist(older, newer);
   return estimate;
 }
 

@@ -2,4 +2,5 @@
 #pragma once
 
 #include <holdfast/tracking/backward_difference.hpp>
+#include <holdfast/tracking/head_dynamics.hpp>
 #include <holdfast/tracking/pose_estimate.hpp>

@@ -47,19 +47,26 @@ inline void expect_yaw_sine(Expectations& e, const YawSine& sine, double latency
   const double missed = 1.0 - std::cos(std::numbers::pi * sine.hz * period_s) + 1e-6;
   e.add("pose.peak_yaw_arcmin", error, missed * error + 1e-6);
   e.add("pose.peak_swim_deg_s", swim, missed * swim + 1e-6);
+  if (order == 1 && latency_s > 0.0) {
+    // A gain above 1 pulls the best shift a little where the frames do not hold whole periods.
+    const double lag_ms = 1e3 * theory::lag_s(order, sine.hz, latency_s);
+    e.add("effective_latency_ms", lag_ms, 0.06 * std::abs(lag_ms) + 0.02);
+  }
 }
 
 inline void expect_ramp(Expectations& e, double latency_s, double period_s) {
   constexpr double rate_deg_s = 100.0, travel_s = 0.4;
+  const DisplayTiming& timing = e.settings.hmd.timing;
+  if (timing.scan_out == ScanOut::rolling && e.settings.lens == LensMode::none) {
+    // Exact for a turn about the eye; here the eye moves with the head, and the edge stands 2 m away.
+    const double skew = 60.0 * rate_deg_s * to_seconds(timing.scan_duration);
+    e.add("scan_skew_arcmin", skew, 0.01 * skew);
+  }
   if (latency_s <= 0.0 || latency_s >= travel_s) return;
   const double error = 60.0 * rate_deg_s * latency_s, one_frame = 60.0 * rate_deg_s * period_s;
   const bool held = e.settings.pipeline == Pipeline::p0;
   e.add("pose.peak_yaw_arcmin", error, held ? 1e-3 : one_frame);
   if (e.settings.velocity == VelocitySource::exact) e.add("overshoot_arcmin", held ? -error : error, one_frame);
-  const DisplayTiming& timing = e.settings.hmd.timing;
-  if (timing.scan_out == ScanOut::rolling && e.settings.lens == LensMode::none) {
-    e.add("scan_skew_arcmin", 60.0 * rate_deg_s * to_seconds(timing.scan_duration), 0.05);
-  }
 }
 
 [[nodiscard]] inline std::optional<double> measured_value(const ExperimentRow& row, std::string_view name) {

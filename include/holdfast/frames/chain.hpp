@@ -32,30 +32,15 @@ class Chain {
     status_ = LookupStatus::ok;
     transforms_ = path->size();
     for (const PathStep& step : *path) dynamic_ += graph.edge(step.edge)->kind == EdgeKind::dynamic;
-    const FrameGraph::Node &a = graph.node(A), &b = graph.node(B);
-    A_ = {A, a.head, a.head == A.index(), a.T_head_node};
-    B_ = {B, b.head, b.head == B.index(), b.T_head_node};
-    by_root_ = a.head != b.head && FrameGraph::by_root(a, b);
+    by_root_ = FrameGraph::by_root(graph.node(A), graph.node(B));
+    A_ = A;
+    B_ = B;
   }
 
   /// T_AB at time t.
   [[nodiscard]] Lookup at(HostTime t) const {
-    Lookup result;
-    result.status = status_;
-    if (status_ != LookupStatus::ok) return result;
-    if (version_ != graph_->version()) {
-      result.status = LookupStatus::stale_chain;
-      return result;
-    }
-    if (!by_root_) return graph_->lookup(A_.frame, B_.frame, t);
-    const FrameGraph::Seen &a = graph_->from_root(A_.head, t), &b = graph_->from_root(B_.head, t);
-    FrameGraph::join(a, b, result);
-    if (!result) return result;
-    detail::RawVqs T = B_.is_head ? b.T_root_head : product(b.T_root_head, B_.T_head_end);
-    T = inverse_product(a.T_root_head, T);
-    if (!A_.is_head) T = inverse_product(A_.T_head_end, T);
-    result.T_AB = to_vqs(T);
-    return result;
+    if (!valid()) return refusal();
+    return by_root_ ? graph_->lookup_by_root(A_, B_, t) : graph_->lookup_below_root(A_, B_, t);
   }
 
   /// Edges of the path, and how many of them are dynamic and hence evaluated by `at`.
@@ -65,17 +50,15 @@ class Chain {
   [[nodiscard]] bool valid() const { return status_ == LookupStatus::ok && version_ == graph_->version(); }
 
  private:
-  /// One end of the chain: its frame and the static run that joins it to its cluster's head.
-  struct End {
-    FrameId frame;
-    std::int32_t head = -1;
-    bool is_head = true;
-    detail::RawVqs T_head_end;
-  };
+  [[nodiscard]] Lookup refusal() const {
+    Lookup result;
+    result.status = status_ == LookupStatus::ok ? LookupStatus::stale_chain : status_;
+    return result;
+  }
 
   const FrameGraph* graph_ = nullptr;
   std::uint64_t version_ = 0;
-  End A_, B_;
+  FrameId A_, B_;
   bool by_root_ = false;
   std::size_t dynamic_ = 0;
   std::size_t transforms_ = 0;

@@ -145,14 +145,15 @@ class FrameGraph {
     bool parent_is_A = true;         // the parent edge is T_parent_child, not T_child_parent
     detail::RawVqs T_head_node;      // folded static edges
   };
-  /// What a cluster head was seen to be at the time last asked for.
+  /// What a frame was seen to be at the time last asked for.
   struct Seen {
     HostTime t;
     std::uint64_t changes = 0;  // of the graph by then; 0 never
-    detail::RawVqs T_root_head;
+    detail::RawVqs T_root_frame;
     Duration age{0};
     LookupStatus status = LookupStatus::ok;
     EdgeId edge;
+    explicit operator bool() const { return status == LookupStatus::ok || status == LookupStatus::held; }
   };
   struct Climb;
   friend class Chain;
@@ -167,9 +168,10 @@ class FrameGraph {
   }
   [[nodiscard]] EdgeId edge_id(std::int32_t i) const { return {i, edges_[static_cast<std::size_t>(i)].generation}; }
 
-  [[nodiscard]] const Seen& from_root(std::int32_t head, HostTime t) const;
+  [[nodiscard]] const Seen& from_root(std::int32_t frame, HostTime t) const;
+  [[nodiscard]] const Seen& see(std::int32_t frame, HostTime t) const;
   [[nodiscard]] static bool by_root(const Node& a, const Node& b);
-  static void join(const Seen& a, const Seen& b, Lookup& result);
+  [[nodiscard]] Lookup lookup_by_root(FrameId A, FrameId B, HostTime t) const;
   [[nodiscard]] Lookup lookup_below_root(FrameId A, FrameId B, HostTime t) const;
   void changed_shape() {
     ++version_;

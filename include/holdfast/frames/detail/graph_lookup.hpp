@@ -12,13 +12,14 @@ namespace holdfast {
 
 namespace detail {
 
-/// Takes a sample's status and age into a lookup's: the first fault stays, else the oldest age.
-inline void take_in(Lookup& lookup, Duration age, LookupStatus status, EdgeId edge) {
-  if (status == LookupStatus::ok || !lookup) return;
-  if (status == LookupStatus::held && lookup.status == LookupStatus::held && age <= lookup.age) return;
-  lookup.status = status;
-  lookup.age = age;
-  lookup.edge = edge;
+/// Takes a status and age on the way into a result's: the first fault stays, else the oldest age.
+template <typename Result>
+void take_in(Result& result, Duration age, LookupStatus status, EdgeId edge) {
+  if (status == LookupStatus::ok || !result) return;
+  if (status == LookupStatus::held && result.status == LookupStatus::held && age <= result.age) return;
+  result.status = status;
+  result.age = age;
+  result.edge = edge;
 }
 
 }  // namespace detail
@@ -45,37 +46,41 @@ struct FrameGraph::Climb {
   }
 };
 
-/// T_root_head at time t, remembered until the time or the graph changes.
-inline const FrameGraph::Seen& FrameGraph::from_root(std::int32_t head, HostTime t) const {
-  Seen& seen = seen_[static_cast<std::size_t>(head)];
-  if (seen.t == t && seen.changes == changes_) return seen;
-  const Node& n = node(head);
+/// T_root_frame at time t, remembered until the time or the graph changes.
+inline const FrameGraph::Seen& FrameGraph::from_root(std::int32_t frame, HostTime t) const {
+  const Seen& seen = seen_[static_cast<std::size_t>(frame)];
+  return seen.t == t && seen.changes == changes_ ? seen : see(frame, t);
+}
+
+inline const FrameGraph::Seen& FrameGraph::see(std::int32_t frame, HostTime t) const {
+  Seen& seen = seen_[static_cast<std::size_t>(frame)];
+  const Node& n = node(frame);
+  const bool is_head = n.head == frame;
   seen.t = t;
   seen.changes = changes_;
+  seen.status = LookupStatus::ok;
+  seen.age = Duration(0);
   if (n.parent < 0) {
-    seen = Seen{t, changes_, detail::RawVqs(), Duration(0), LookupStatus::ok, EdgeId()};
+    seen.T_root_frame = detail::RawVqs();
     return seen;
   }
-  const Node& above = node(n.parent);
-  const Seen& up = from_root(above.head, t);
-  const Edge& e = edges_[static_cast<std::size_t>(n.parent_edge)];
-  detail::RawVqs T_AB;
-  const PoseHistory::RawSample sample = e.history.at(t, T_AB);
-  Lookup so_far{Vqs(), up.age, up.status, up.edge};
-  detail::take_in(so_far, sample.age, lookup_status(sample.status), {n.parent_edge, e.generation});
-  seen.age = so_far.age;
-  seen.status = so_far.status;
-  seen.edge = so_far.edge;
-  if (!so_far) return seen;
-  if (!n.parent_is_A) T_AB = inverse(T_AB);
-  if (above.head != n.parent) T_AB = product(above.T_head_node, T_AB);
-  seen.T_root_head = above.head == n.root ? T_AB : product(up.T_root_head, T_AB);
+  const std::int32_t above = is_head ? n.parent : n.head;
+  const Seen& up = from_root(above, t);
+  detail::take_in(seen, up.age, up.status, up.edge);
+  detail::RawVqs T_above_frame = n.T_head_node;
+  if (is_head) {
+    const Edge& e = edges_[static_cast<std::size_t>(n.parent_edge)];
+    const PoseHistory::RawSample sample = e.history.at(t, T_above_frame);
+    detail::take_in(seen, sample.age, lookup_status(sample.status), {n.parent_edge, e.generation});
+    if (!n.parent_is_A) T_above_frame = inverse(T_above_frame);
+  }
+  seen.T_root_frame = above == n.root ? T_above_frame : product(up.T_root_frame, T_above_frame);
   return seen;
 }
 
-/// The way leads through the root's cluster.
+/// The way leads through the root's cluster, and the two are not both in it.
 inline bool FrameGraph::by_root(const Node& a, const Node& b) {
-  return a.branch != b.branch || a.branch < 0;
+  return a.branch != b.branch;
 }
 
 inline Lookup FrameGraph::lookup(FrameId A, FrameId B, HostTime t) const {
@@ -89,28 +94,22 @@ inline Lookup FrameGraph::lookup(FrameId A, FrameId B, HostTime t) const {
     result.status = LookupStatus::no_path;
     return result;
   }
-  if (nA.head == nB.head) {
-    if (A != B) result.T_AB = to_vqs(inverse_product(nA.T_head_node, nB.T_head_node));
-    return result;
-  }
-  if (!by_root(nA, nB)) return lookup_below_root(A, B, t);
-  const Seen &a = from_root(nA.head, t), &b = from_root(nB.head, t);
-  join(a, b, result);
-  if (!result) return result;
-  // T_AB = (T_root_headA T_headA_A)^-1 (T_root_headB T_headB_B)
-  detail::RawVqs T = nB.head == B.index() ? b.T_root_head : product(b.T_root_head, nB.T_head_node);
-  T = inverse_product(a.T_root_head, T);
-  if (nA.head != A.index()) T = inverse_product(nA.T_head_node, T);
-  result.T_AB = to_vqs(T);
+  if (by_root(nA, nB)) return lookup_by_root(A, B, t);
+  if (A == B) return result;
+  return lookup_below_root(A, B, t);
+}
+
+/// T_AB = T_root_A^-1 T_root_B.
+inline Lookup FrameGraph::lookup_by_root(FrameId A, FrameId B, HostTime t) const {
+  Lookup result;
+  const Seen &a = from_root(A.index(), t), &b = from_root(B.index(), t);
+  detail::take_in(result, a.age, a.status, a.edge);
+  detail::take_in(result, b.age, b.status, b.edge);
+  if (result) result.T_AB = to_vqs(inverse_product(a.T_root_frame, b.T_root_frame));
   return result;
 }
 
-inline void FrameGraph::join(const Seen& a, const Seen& b, Lookup& result) {
-  detail::take_in(result, a.age, a.status, a.edge);
-  detail::take_in(result, b.age, b.status, b.edge);
-}
-
-/// Frames of one branch meet below the root: what is above their meeting must not be asked.
+/// Frames of one branch, or of the root's cluster: what is above their meeting must not be asked.
 inline Lookup FrameGraph::lookup_below_root(FrameId A, FrameId B, HostTime t) const {
   Lookup result;
   Climb a(*this, A), b(*this, B);

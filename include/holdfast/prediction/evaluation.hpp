@@ -45,11 +45,12 @@ struct ErrorSummary {
   return summary;
 }
 
-/// The error of one prediction.
+/// One prediction and its error; with both poses, so that errors on a screen can be had from them too.
 struct PredictionError {
   HostTime t;  ///< the time predicted for
   double angle_deg = 0.0;
   double position_mm = 0.0;
+  Rigid X_WB_predicted, X_WB_true;
 };
 
 struct PredictorRow {
@@ -113,6 +114,8 @@ struct Stretches {
   error.t = predicted.t;
   error.angle_deg = radians(so3::angle_between<double>(X_WB_true.q(), predicted.X_WB.q())).degrees();
   error.position_mm = 1e3 * (predicted.X_WB.p() - X_WB_true.p()).norm();
+  error.X_WB_predicted = predicted.X_WB;
+  error.X_WB_true = X_WB_true;
   return error;
 }
 

@@ -18,9 +18,9 @@ Rigid random_small_motion(std::mt19937& random) {
 }  // namespace
 
 TEST_CASE("tangents: right is +x, up is +y, ahead is -Z") {
-  CHECK((*tangents_of(Vector3(1, 2, -4)) - Vector2(0.25, 0.5)).norm() == 0.0);
-  CHECK_FALSE(tangents_of(Vector3(1, 2, 4)));
-  CHECK_FALSE(tangents_of(Vector3(1, 2, 0)));
+  CHECK((*tangents_of_point(Vector3(1, 2, -4)) - Vector2(0.25, 0.5)).norm() == 0.0);
+  CHECK_FALSE(tangents_of_point(Vector3(1, 2, 4)));
+  CHECK_FALSE(tangents_of_point(Vector3(1, 2, 0)));
   CHECK((direction_of_tangents(Vector2(0.25, 0.5)) - Vector3(0.25, 0.5, -1)).norm() == 0.0);
 }
 
@@ -30,9 +30,9 @@ TEST_CASE("a turned eye sees points at any distance where the homography says") 
     const Quaternion q_AB = random_small_motion(random).q();
     const Homography H_AB = Homography::rotation(q_AB);
     const Vector3 p_B(0.3, -0.4, -0.5 - i);
-    const auto seen = H_AB.apply(*tangents_of(p_B));
+    const auto seen = H_AB.apply(*tangents_of_point(p_B));
     REQUIRE(seen);
-    CHECK((*seen - *tangents_of(q_AB * p_B)).norm() < 1e-14);
+    CHECK((*seen - *tangents_of_point(q_AB * p_B)).norm() < 1e-14);
   }
 }
 
@@ -64,14 +64,14 @@ TEST_CASE("a plane's points go where the moved eye sees them") {
     const auto H_AB = Homography::through_plane(X_AB, plane_B);
     REQUIRE(H_AB);
     const Vector3 p_B = plane_B.nearest_point(Vector3(0.1 * (i % 7), -0.08 * (i % 5), -2.0));
-    const auto seen = H_AB->apply(*tangents_of(p_B));
+    const auto seen = H_AB->apply(*tangents_of_point(p_B));
     REQUIRE(seen);
-    CHECK((*seen - *tangents_of(X_AB * p_B)).norm() < 1e-14);
+    CHECK((*seen - *tangents_of_point(X_AB * p_B)).norm() < 1e-14);
     // Which way the normal points is no matter.
     const auto flipped = Homography::through_plane(X_AB, Plane{-plane_B.normal, -plane_B.offset});
     CHECK((flipped->matrix() - H_AB->matrix()).cwiseAbs().maxCoeff() < 1e-15);
     // There and back, by inverse and by the plane seen from the other eye.
-    CHECK((*H_AB->inverse().apply(*seen) - *tangents_of(p_B)).norm() < 1e-14);
+    CHECK((*H_AB->inverse().apply(*seen) - *tangents_of_point(p_B)).norm() < 1e-14);
     const auto H_BA = Homography::through_plane(X_AB.inverse(), X_AB * plane_B);
     CHECK((H_BA->matrix() - H_AB->inverse().matrix()).cwiseAbs().maxCoeff() < 1e-14);
   }

@@ -1,3 +1,5 @@
+#include <cmath>
+#include <limits>
 #include <random>
 #include <type_traits>
 #include <vector>
@@ -226,4 +228,39 @@ TEST_CASE("a skew that changes is followed within the window") {
   const auto estimate = estimator.estimate();
   CHECK(estimate->offset.skew() == doctest::Approx(60e-6).epsilon(0.03));
   CHECK(std::abs(error_ms(*estimate, warm, time_at<TrackerClock>(1600.0))) < 0.05);
+}
+
+TEST_CASE("no sequence of messages, however wild, leads to an estimate that is not a number") {
+  std::mt19937_64 random(80);
+  std::uniform_int_distribution<std::int64_t> any(std::numeric_limits<std::int64_t>::min(),
+                                                  std::numeric_limits<std::int64_t>::max());
+  std::uniform_int_distribution<int> kind(0, 511);
+  int estimates = 0;
+  for (int run = 0; run < 20; ++run) {
+    Estimator estimator;
+    std::int64_t stamp = 0, arrival = 0;
+    for (int i = 0; i < 3000; ++i) {
+      // Spells of ordinary messages, steps of every size by one clock or both, and single wild numbers.
+      const int what = kind(random);
+      const auto step = [&] {
+        return (any(random) & std::numeric_limits<std::int64_t>::max()) >> (3 + kind(random) % 60);
+      };
+      const bool is_wild = what < 4;
+      if (what < 8) {
+        stamp = (stamp + step()) % (std::int64_t{1} << 61);
+      } else if (what < 12) {
+        arrival = (arrival + step()) % (std::int64_t{1} << 61);
+      }
+      stamp += 10'000'000;
+      arrival += 10'000'000 + (any(random) & 0xfffff);
+      estimator.update(TrackerTime(Duration(is_wild ? any(random) : stamp)), HostTime(Duration(arrival)));
+      const auto estimate = estimator.estimate();
+      if (!estimate) continue;
+      CHECK(std::isfinite(estimate->offset.skew()));
+      CHECK(std::abs(estimate->offset.skew()) <= 200e-6);
+      CHECK(estimate->uncertainty >= Duration{0});
+      ++estimates;
+    }
+  }
+  CHECK(estimates > 1000);
 }

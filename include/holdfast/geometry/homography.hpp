@@ -25,7 +25,7 @@ namespace holdfast {
 }
 
 /// Tangents of a point or direction in an eye's frame; nothing when it is not ahead of the eye (z >= 0).
-[[nodiscard]] inline std::optional<Vector2> tangents_of(const Vector3& p_E) {
+[[nodiscard]] inline std::optional<Vector2> tangents_of_point(const Vector3& p_E) {
   if (!(p_E.z() < 0.0)) return std::nullopt;
   return Vector2(p_E.x() / -p_E.z(), p_E.y() / -p_E.z());
 }

@@ -112,7 +112,8 @@ class ClockOffsetEstimator {
   [[nodiscard]] Bin& newest_bin() { return bins_[(oldest_ + size_ - 1) % Bins]; }
 
   [[nodiscard]] ClockSample judge(TimePoint<From> stamp, TimePoint<To> arrival) const {
-    constexpr std::int64_t limit = std::int64_t{1} << 61;
+    // Within it, no sum or difference below overflows.
+    constexpr std::int64_t limit = (std::int64_t{1} << 61) - 1;
     const auto is_out = [](std::int64_t count) { return count > limit || count < -limit; };
     if (is_out(stamp.time_since_epoch().count()) || is_out(arrival.time_since_epoch().count())) {
       return ClockSample::out_of_range;

@@ -26,6 +26,9 @@ class VsyncEstimator {
   explicit VsyncEstimator(const DisplayTiming& nominal) : nominal_(nominal), estimator_(options()) {}
 
   ClockSample update(HostTime observed) {
+    constexpr std::int64_t limit = (std::int64_t{1} << 61) - 1;  // as in ClockOffsetEstimator
+    const std::int64_t count = observed.time_since_epoch().count();
+    if (count > limit || count < -limit) return ClockSample::out_of_range;
     if (seen_ > 0 && observed <= last_observed_) return ClockSample::backward_arrival;
     last_observed_ = observed;
     if (seen_ >= first_observations) return place(observed);

@@ -48,8 +48,9 @@ struct Studio {
   std::uniform_real_distribution<double> one(-1.0, 1.0);
   std::vector<Rigid> poses;
   for (int i = 0; i < count; ++i) {
-    const Vector3 turn(0.08 * one(random), 0.15 * one(random), 0.3 * one(random));
-    const Vector3 shift(0.05 * one(random), 0.05 * one(random), 0.05 * one(random));
+    // Braces: their members are evaluated in order, by every compiler.
+    const Vector3 turn{0.08 * one(random), 0.15 * one(random), 0.3 * one(random)};
+    const Vector3 shift{0.05 * one(random), 0.05 * one(random), 0.05 * one(random)};
     poses.push_back(Rigid(so3::exp<double>(turn), shift) * X_HE);
   }
   return poses;

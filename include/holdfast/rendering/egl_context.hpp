@@ -1,12 +1,9 @@
 /// OpenGL by EGL on Mesa's surfaceless platform (EGL_PLATFORM_SURFACELESS_MESA). There only when built with EGL.
 ///
-/// The EGL display is shared by all contexts of the process and ended with the last of them: eglTerminate would take
-/// the others' contexts away.
+/// The EGL display is shared by all contexts of the process.
 #pragma once
 
 #include <array>
-#include <memory>
-#include <mutex>
 #include <string>
 
 #include <holdfast/rendering/context.hpp>
@@ -40,17 +37,13 @@ class EglDisplay {
   }
   EglDisplay(const EglDisplay&) = delete;
   EglDisplay& operator=(const EglDisplay&) = delete;
-  ~EglDisplay() { eglTerminate(display_); }
-
   [[nodiscard]] EGLDisplay get() const { return display_; }
 
-  [[nodiscard]] static std::shared_ptr<EglDisplay> shared() {
-    static std::mutex mutex;
-    static std::weak_ptr<EglDisplay> one;
-    const std::lock_guard lock(mutex);
-    std::shared_ptr<EglDisplay> display = one.lock();
-    if (display == nullptr) one = display = std::make_shared<EglDisplay>();
-    return display;
+  /// The process's own, made at first use. It is kept to the end: to end it would take away the contexts of other users
+  /// of the same platform, and to unload and load the driver for each context costs time.
+  [[nodiscard]] static const EglDisplay& of_process() {
+    static const EglDisplay* const display = new EglDisplay;
+    return *display;
   }
 
  private:
@@ -61,18 +54,18 @@ class EglDisplay {
 
 class EglContext final : public Context {
  public:
-  EglContext() : display_(detail::EglDisplay::shared()) {
+  EglContext() : display_(detail::EglDisplay::of_process().get()) {
     if (eglBindAPI(EGL_OPENGL_API) != EGL_TRUE)
       throw ContextError("egl: the driver has no desktop OpenGL (" + detail::egl_error() + ")");
     constexpr std::array<EGLint, 5> wanted{EGL_SURFACE_TYPE, 0, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
     EGLConfig config = nullptr;
     EGLint count = 0;
-    if (eglChooseConfig(display_->get(), wanted.data(), &config, 1, &count) != EGL_TRUE || count == 0)
+    if (eglChooseConfig(display_, wanted.data(), &config, 1, &count) != EGL_TRUE || count == 0)
       throw ContextError("egl: no configuration with desktop OpenGL (" + detail::egl_error() + ")");
     constexpr std::array<EGLint, 7> attributes{
         EGL_CONTEXT_MAJOR_VERSION,           4,       EGL_CONTEXT_MINOR_VERSION, 5, EGL_CONTEXT_OPENGL_PROFILE_MASK,
         EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
-    context_ = eglCreateContext(display_->get(), config, EGL_NO_CONTEXT, attributes.data());
+    context_ = eglCreateContext(display_, config, EGL_NO_CONTEXT, attributes.data());
     if (context_ == EGL_NO_CONTEXT)
       throw ContextError("egl: the driver gives no OpenGL 4.5 core context (" + detail::egl_error() + ")");
     try {
@@ -88,18 +81,18 @@ class EglContext final : public Context {
  protected:
   void bind() override {
     eglBindAPI(EGL_OPENGL_API);  // per thread
-    if (eglMakeCurrent(display_->get(), EGL_NO_SURFACE, EGL_NO_SURFACE, context_) != EGL_TRUE)
+    if (eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_) != EGL_TRUE)
       throw ContextError("egl: the context cannot be made current (" + detail::egl_error() + ")");
   }
 
  private:
   void release() {
-    if (is_current()) eglMakeCurrent(display_->get(), EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    if (is_current()) eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     forget_current();
-    eglDestroyContext(display_->get(), context_);
+    eglDestroyContext(display_, context_);
   }
 
-  std::shared_ptr<detail::EglDisplay> display_;
+  EGLDisplay display_;
   EGLContext context_ = EGL_NO_CONTEXT;
 };
 

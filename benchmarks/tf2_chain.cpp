@@ -17,16 +17,12 @@ ros::Time ros_time(std::int64_t nanoseconds) {
 }  // namespace
 
 struct Tf2Chain::Impl {
-  std::string target, source;
   tf2::BufferCore buffer{ros::Duration(10.0)};
-  std::vector<ros::Time> questions;
+  std::vector<std::pair<std::string, std::string>> chains;
+  std::vector<ros::Time> times;
 };
 
-Tf2Chain::Tf2Chain(std::string target, std::string source) : impl_(std::make_unique<Impl>()) {
-  impl_->target = std::move(target);
-  impl_->source = std::move(source);
-}
-
+Tf2Chain::Tf2Chain() : impl_(std::make_unique<Impl>()) {}
 Tf2Chain::~Tf2Chain() = default;
 
 void Tf2Chain::set(const std::string& parent, const std::string& child, std::int64_t nanoseconds, const RigidNumbers& X,
@@ -45,12 +41,16 @@ void Tf2Chain::set(const std::string& parent, const std::string& child, std::int
   impl_->buffer.setTransform(m, "benchmark", is_static);
 }
 
-void Tf2Chain::add_question(std::int64_t nanoseconds) {
-  impl_->questions.push_back(ros_time(nanoseconds));
+void Tf2Chain::add_chain(const std::string& target, const std::string& source) {
+  impl_->chains.emplace_back(target, source);
 }
 
-RigidNumbers Tf2Chain::ask(std::size_t k) const {
-  const geometry_msgs::Transform m =
-      impl_->buffer.lookupTransform(impl_->target, impl_->source, impl_->questions[k]).transform;
+void Tf2Chain::add_time(std::int64_t nanoseconds) {
+  impl_->times.push_back(ros_time(nanoseconds));
+}
+
+RigidNumbers Tf2Chain::ask(std::size_t k, std::size_t c) const {
+  const auto& [target, source] = impl_->chains[c];
+  const geometry_msgs::Transform m = impl_->buffer.lookupTransform(target, source, impl_->times[k]).transform;
   return {m.translation.x, m.translation.y, m.translation.z, m.rotation.w, m.rotation.x, m.rotation.y, m.rotation.z};
 }

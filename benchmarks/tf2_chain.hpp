@@ -13,17 +13,17 @@ struct RigidNumbers {
 
 class Tf2Chain {
  public:
-  /// Questions will be T_target_source.
-  Tf2Chain(std::string target, std::string source);
+  Tf2Chain();
   ~Tf2Chain();
 
   /// A sample of the transform that hangs `child` from `parent`.
   void set(const std::string& parent, const std::string& child, std::int64_t nanoseconds,
            const RigidNumbers& X_parent_child, bool is_static);
-  /// Adds a time to ask for.
-  void add_question(std::int64_t nanoseconds);
-  /// The answer to question k.
-  RigidNumbers ask(std::size_t k) const;
+  /// Adds a chain T_target_source, and a time, that questions can be about.
+  void add_chain(const std::string& target, const std::string& source);
+  void add_time(std::int64_t nanoseconds);
+  /// The answer for time k and chain c.
+  RigidNumbers ask(std::size_t k, std::size_t c) const;
 
  private:
   struct Impl;

@@ -3,6 +3,7 @@
 
 #include <holdfast/registration/coverage.hpp>
 #include <holdfast/registration/effective_latency.hpp>
+#include <holdfast/registration/error_budget.hpp>
 #include <holdfast/registration/expected_values.hpp>
 #include <holdfast/registration/experiment.hpp>
 #include <holdfast/registration/experiment_types.hpp>

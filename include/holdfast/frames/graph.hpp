@@ -8,10 +8,14 @@
 /// which frames each holds. Several users are several branches below one world frame.
 ///
 /// `lookup(A, B, t)` allocates nothing, locks nothing and throws nothing. Frames joined by static edges form a cluster
-/// whose transforms are folded when the graph changes, so that a lookup pays for dynamic edges only. For a path used
-/// every frame take a Chain (chain.hpp), which is faster still. Threads: one. Whoever writes (push, add, remove) and
-/// whoever looks up must be the same thread or take turns. Units: those of the transforms, usually metres. Bad input
-/// gets a status and changes nothing.
+/// whose transforms are folded when the graph changes, so that a lookup pays for dynamic edges only; and what one
+/// lookup interpolated serves the next of the same time, as both eyes and all objects of a frame have it. Register
+/// the world first: it becomes the root, where the ways meet. A Chain (chain.hpp) is a lookup that is resolved once.
+///
+/// Threads: one. A lookup, though const, writes down what it has seen, so whoever writes (push, add, remove) and
+/// whoever looks up must be the same thread or take turns.
+///
+/// Units: those of the transforms, usually metres. Bad input gets a status and changes nothing.
 #pragma once
 
 #include <algorithm>

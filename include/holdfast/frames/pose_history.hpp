@@ -192,7 +192,6 @@ class PoseHistory {
       weight_a = std::sin(r * h) * b.per_sinc / h;
       weight_b = std::sin(u * h) * b.per_sinc / h;
     }
-    // The two may be stored with opposite signs: b's sign was chosen against a's when it was pushed.
     T_AB.q.coeffs() = weight_a * a.T_AB.q.coeffs() + weight_b * b.T_AB.q.coeffs();
     T_AB.v = r * a.T_AB.v + u * b.T_AB.v;
     T_AB.s = b.log_growth == 0 ? a.T_AB.s : a.T_AB.s * std::exp(u * b.log_growth);

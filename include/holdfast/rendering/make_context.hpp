@@ -23,6 +23,8 @@ namespace holdfast::rendering {
 
 /// The first built backend that gives a context; when none does, ContextError with every reason.
 [[nodiscard]] inline std::unique_ptr<Context> make_context() {
+  if (built_backends().empty())
+    throw ContextError("no OpenGL context: this program was built with neither OSMesa nor EGL");
   std::string reasons;
   for (const Backend backend : built_backends()) {
     try {

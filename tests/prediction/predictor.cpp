@@ -209,8 +209,8 @@ TEST_CASE("beyond the limit the pose is held where it was by then, and says clam
   CHECK(beyond.interval == std::chrono::milliseconds(50));
   CHECK(beyond.X_WB.p() == at_limit.X_WB.p());
   CHECK(beyond.t == estimate.t + std::chrono::milliseconds(51));
-  const HostTime far(Duration(std::numeric_limits<std::int64_t>::max())),
-      early(Duration(std::numeric_limits<std::int64_t>::min()));
+  const HostTime far{Duration(std::numeric_limits<std::int64_t>::max())},
+      early{Duration(std::numeric_limits<std::int64_t>::min())};
   CHECK(predict_constant_velocity(estimate, far).status == PredictionStatus::clamped);
   CHECK(predict_constant_velocity(estimate, far).covariance.allFinite());
   CHECK(predict_constant_velocity(estimate, early).status == PredictionStatus::backwards);

@@ -31,6 +31,7 @@
 #include <holdfast/io/input_error.hpp>
 #include <holdfast/io/text_file.hpp>
 #include <holdfast/io/trajectory_columns.hpp>
+#include <holdfast/io/trajectory_format.hpp>
 #include <holdfast/io/trajectory_report.hpp>
 #include <holdfast/io/trajectory_suspicions.hpp>
 #include <holdfast/io/trajectory_text.hpp>
@@ -53,7 +54,7 @@ class TrajectoryParser {
       : text_(text), file_(file), mode_(mode), lines_(text) {}
 
   [[nodiscard]] TrajectoryFile parse() {
-    find_columns();
+    columns_ = find_columns(lines_, file_, mode_, result_.report);
     result_.report.format = columns_.format;
     result_.report.has_position = columns_.has_position();
     result_.report.has_orientation = columns_.has_orientation();
@@ -78,63 +79,6 @@ class TrajectoryParser {
     RowFault kind;
     std::string_view key, value, expected;
   };
-
-  /// Leaves lines_ before the first data row.
-  void find_columns() {
-    std::string_view line, comment;
-    std::string problem;
-    InputProblem first_problem;
-    int tried = 0;
-    for (Lines before = lines_; lines_.next(line); before = lines_) {
-      if (line.empty()) continue;
-      if (line.front() == '#') {
-        comment = line.substr(1);
-        continue;
-      }
-      if (auto columns = columns_of_row(line)) {
-        columns_ = *columns;
-        trust(comment);
-        lines_ = before;
-        return;
-      }
-      if (auto columns = columns_of_header(line, problem)) {
-        columns_ = *columns;
-        return;
-      }
-      if (tried++ == 0) {
-        first_problem = {.file = std::string(file_),
-                         .line = lines_.number(),
-                         .problem = holds_number_first(line) ? "not a row of a known format" : problem,
-                         .value = std::string(line),
-                         .expected =
-                             "TUM (t tx ty tz qx qy qz qw, seconds), EuRoC (t,x,y,z,qw,qx,qy,qz, whole nanoseconds) or "
-                             "a header that names t, px, py, pz, qw, qx, qy, qz"};
-      }
-      if (mode_ == ReadMode::strict || tried == 100) throw InputError(first_problem);
-      ++result_.report.rows;
-      ++result_.report.dropped[static_cast<std::size_t>(RowFault::malformed)];
-    }
-    if (tried > 0) throw InputError(first_problem);
-    throw InputError(
-        {.file = std::string(file_), .problem = "the file holds no rows", .expected = "a recorded motion"});
-  }
-
-  [[nodiscard]] static bool holds_number_first(std::string_view line) {
-    std::vector<std::string_view> cells;
-    split(line, has_commas(line), cells);
-    return !cells.empty() && parse_decimal(cells.front()).has_value();
-  }
-
-  void trust(std::string_view comment) {
-    std::string problem;
-    const auto named = columns_of_header(comment, problem);
-    if (!named || named->count != columns_.count || !named->has_position() || !named->has_orientation()) return;
-    columns_.time = named->time;
-    columns_.p = named->p;
-    columns_.q = named->q;
-    columns_.metres = named->metres;
-    if (named->time_digits) columns_.time_digits = named->time_digits;
-  }
 
   void read_row(std::string_view row) {
     ++result_.report.rows;

@@ -11,10 +11,10 @@
 ///     Gauss-Newton on the pose differences (rotation and position in units of their medians; outliers lose weight), by
 ///     turns with the relation of the frames (align_poses), until it stands still. Periodic motions fit at several
 ///     shifts: among equals the smallest in size wins.
-///  3. Uncertainty: the overlap is cut into blocks of about 2 s (5 to 40 of them); each gives its own shift d_k with
-///  information
-///     w_k, and u^2 = sum w_k^2 (d_k - d)^2 / (sum w_k)^2 * K / (K - 1). Errors that live longer than a block, as a
-///     wrong clock has, do not show in it.
+///  3. Uncertainty: the overlap is cut into K blocks; each gives its own shift d_k with information w_k, and
+///     u^2 = sum w_k^2 (d_k - d)^2 / (sum w_k)^2 * K / (K - 1). Errors of neighbouring samples hang together, so blocks
+///     of 2, 4, 8 ... s are tried, down to five blocks, and the largest u counts. What is wrong in the whole recording,
+///     as a clock's offset, does not show in it.
 /// Source: evaluation.md (effective latency; value 4). Allocates: for evaluation, not for the frame loop.
 /// Bad input: see LatencyStatus. Precondition: times of samples strictly increase.
 #pragma once
@@ -125,23 +125,31 @@ inline constexpr Speeds least_speeds{0.005, 0.002};
   return mismatch;
 }
 
-/// Shift in blocks of the overlap: the standard deviation of their weighted mean.
-[[nodiscard]] inline double block_uncertainty(const std::vector<ShiftedPair>& pairs) {
-  const ResidualScale scale = scale_of(pairs);
-  const double overlap_s = to_seconds(pairs.back().t - pairs.front().t);
-  const auto blocks = static_cast<std::size_t>(std::clamp(overlap_s / 2.0, 5.0, 40.0));
+/// Standard deviation of the shift from `blocks` blocks of the overlap; 0 when fewer than two tell anything.
+[[nodiscard]] inline double deviation_of_blocks(const std::vector<ShiftedPair>& pairs, const ResidualScale& scale,
+                                                std::size_t blocks) {
   double information = 0.0, squares = 0.0, used = 0.0;
   for (std::size_t k = 0; k < blocks; ++k) {
     ShiftNormal normal;
-    for (std::size_t i = k * pairs.size() / blocks; i < (k + 1) * pairs.size() / blocks; ++i)
-      normal.add(pairs[i], scale);
+    const std::size_t end = (k + 1) * pairs.size() / blocks;
+    for (std::size_t i = k * pairs.size() / blocks; i < end; ++i) normal.add(pairs[i], scale);
     // At the optimum the steps' weighted mean is zero; w_k d_k is the block's gradient.
     information += normal.information;
     squares += normal.gradient * normal.gradient;
     used += normal.information > 0.0 ? 1.0 : 0.0;
   }
-  if (!(information > 0.0) || used < 2.0) return std::numeric_limits<double>::infinity();
-  return std::sqrt(squares * used / (used - 1.0)) / information;
+  return information > 0.0 && used > 1.0 ? std::sqrt(squares * used / (used - 1.0)) / information : 0.0;
+}
+
+/// The largest of these deviations over block lengths of 2, 4, 8 ... s, as long as there are five blocks.
+[[nodiscard]] inline double block_uncertainty(const std::vector<ShiftedPair>& pairs) {
+  const ResidualScale scale = scale_of(pairs);
+  const double overlap_s = to_seconds(pairs.back().t - pairs.front().t);
+  double largest = 0.0;
+  for (double blocks = std::max(5.0, overlap_s / 2.0); blocks >= 5.0; blocks /= 2.0) {
+    largest = std::max(largest, deviation_of_blocks(pairs, scale, static_cast<std::size_t>(blocks)));
+  }
+  return largest;
 }
 
 /// The best shift for X_C(t + s) ~ X_CD X_D(t) X_QP, and whether the frames could be aligned.

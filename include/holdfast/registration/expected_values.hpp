@@ -41,13 +41,14 @@ struct Expectations {
 };
 
 inline void expect_yaw_sine(Expectations& e, const YawSine& sine, double latency_s, double period_s) {
-  const int order = e.settings.pipeline == Pipeline::p0 ? 0 : 1;
-  const double error = sine.amplitude_arcmin * theory::error_ratio(order, theory::phase_of(sine.hz, latency_s));
+  const theory::Order order =
+      e.settings.pipeline == Pipeline::p0 ? theory::Order::none : theory::Order::constant_velocity;
+  const double error = sine.amplitude_arcmin * theory::error(order, sine.hz, latency_s);
   const double swim = theory::swim_amplitude(error, sine.hz, period_s) / 60.0;
   const double missed = 1.0 - std::cos(std::numbers::pi * sine.hz * period_s) + 1e-6;
   e.add("pose.peak_yaw_arcmin", error, missed * error + 1e-6);
   e.add("pose.peak_swim_deg_s", swim, missed * swim + 1e-6);
-  if (order == 1 && latency_s > 0.0) {
+  if (order != theory::Order::none && latency_s > 0.0) {
     // A gain above 1 pulls the best shift a little where the frames do not hold whole periods.
     const double lag_ms = 1e3 * theory::lag_s(order, sine.hz, latency_s);
     e.add("effective_latency_ms", lag_ms, 0.06 * std::abs(lag_ms) + 0.02);

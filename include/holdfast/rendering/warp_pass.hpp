@@ -25,9 +25,10 @@ class WarpTable {
       : width_(width),
         height_(height),
         layers_(per_colour ? 3 : 1),
-        texture_(make_texture(context, GL_TEXTURE_2D_ARRAY)) {
+        texture_(make_texture(context, per_colour ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D)) {
     const GlFunctions& gl = context.gl();
-    gl.TextureStorage3D(id(), 1, GL_RG32F, width, height, layers_);
+    if (per_colour) gl.TextureStorage3D(id(), 1, GL_RG32F, width, height, layers_);
+    if (!per_colour) gl.TextureStorage2D(id(), 1, GL_RG32F, width, height);
     gl.TextureParameteri(id(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     gl.TextureParameteri(id(), GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     std::vector<std::array<float, 2>> uv(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
@@ -36,12 +37,14 @@ class WarpTable {
       for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x, ++i) {
           const std::optional<Vector2> from = place(Vector2(x + 0.5, y + 0.5), layer);
-          uv[i] = from ? std::array{static_cast<float>(from->x() / width), static_cast<float>(from->y() / height)}
-                       : std::array{-1.0f, -1.0f};
-          if (!from || from->x() < 0.0 || from->y() < 0.0 || from->x() > width || from->y() > height) ++missing_;
+          const bool inside = from && from->x() >= 0.0 && from->y() >= 0.0 && from->x() <= width && from->y() <= height;
+          uv[i] = inside ? std::array{static_cast<float>(from->x() / width), static_cast<float>(from->y() / height)}
+                         : std::array{-1.0f, -1.0f};
+          if (!inside) ++missing_;
         }
       }
-      gl.TextureSubImage3D(id(), 0, 0, 0, layer, width, height, 1, GL_RG, GL_FLOAT, uv.data());
+      if (per_colour) gl.TextureSubImage3D(id(), 0, 0, 0, layer, width, height, 1, GL_RG, GL_FLOAT, uv.data());
+      if (!per_colour) gl.TextureSubImage2D(id(), 0, 0, 0, width, height, GL_RG, GL_FLOAT, uv.data());
     }
     throw_gl_error(gl, "uploading a warp table");
   }
@@ -65,8 +68,8 @@ class WarpPass {
  public:
   explicit WarpPass(Context& context)
       : context_(&context),
-        program_(context, shaders::full_screen_vert, shaders::warp_frag),
-        layers_(program_.uniform("layers")),
+        plain_(context, shaders::full_screen_vert, shaders::warp_frag),
+        per_colour_(context, shaders::full_screen_vert, shaders::warp_per_colour_frag),
         no_vertices_(make_vertex_array(context)) {}
 
   /// Writes all of `result` from `source` (resolved here); both have the table's size.
@@ -79,8 +82,7 @@ class WarpPass {
     gl.Disable(GL_DEPTH_TEST);
     gl.Disable(GL_BLEND);
     gl.Disable(GL_CULL_FACE);
-    program_.use();
-    program_.set(layers_, table.layers());
+    (table.layers() == 1 ? plain_ : per_colour_).use();
     gl.BindTextureUnit(0, source.colour_texture());
     gl.BindTextureUnit(1, table.id());
     gl.BindVertexArray(no_vertices_.id());
@@ -89,8 +91,7 @@ class WarpPass {
 
  private:
   Context* context_;
-  Program program_;
-  GLint layers_;
+  Program plain_, per_colour_;
   GlObject no_vertices_;
 };
 

@@ -1,4 +1,5 @@
 #include <memory>
+#include <thread>
 
 #include <doctest/doctest.h>
 
@@ -71,4 +72,23 @@ TEST_CASE("a moved target owns what it was given; a destroyed one frees it in it
   }
   CHECK(target.width() == 2);
   CHECK(target.read_rgba().at(1, 1) == io::Rgba{255, 255, 255, 255});
+}
+
+TEST_CASE("a context moves to another thread once it is let go") {
+  for (const Backend backend : built_backends()) {
+    CAPTURE(backend_name(backend));
+    const auto context = make_context(backend);
+    RenderTarget target(*context, 4, 4);
+    context->release_current();
+    CHECK(!context->is_current());
+    io::Image image;
+    std::thread([&] {
+      target.clear({0, 1, 0, 1});
+      image = target.read_rgba();
+      context->release_current();
+    }).join();
+    CHECK(image == io::Image(4, 4, {0, 255, 0, 255}));
+    target.clear({0, 0, 1, 1});  // and back
+    CHECK(target.read_rgba() == io::Image(4, 4, {0, 0, 255, 255}));
+  }
 }

@@ -1,10 +1,13 @@
 /// An OpenGL 4.5 core context without a window.
 ///
-/// A context belongs to one thread at a time: make_current() binds it to the calling one. Several contexts may live in
-/// one process; every object made of one (targets, textures, programs) keeps a reference to it, makes it current when
-/// it is destroyed, and must not outlive it. make_context (make_context.hpp) chooses the backend.
+/// A context belongs to one thread at a time: make_current() binds it to the calling one, release_current() lets
+/// another thread have it. Several contexts may live in one process; every object made of one (targets, textures,
+/// programs) keeps a reference to it, makes it current when it is destroyed, and must not outlive it. make_context
+/// (make_context.hpp) chooses the backend.
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <string>
 
 #include <holdfast/rendering/backend.hpp>
@@ -36,13 +39,20 @@ class Context {
   Context& operator=(const Context&) = delete;
   virtual ~Context() = default;
 
-  /// Binds the context to the calling thread; cheap when it already is. Throws ContextError when the platform refuses.
+  /// Binds the context to the calling thread; cheap when it already is. Throws ContextError when the platform refuses,
+  /// for one because another thread has the context.
   void make_current() {
-    if (current() == this) return;
+    if (is_current()) return;
     bind();
-    current() = this;
+    current() = id_;
   }
-  [[nodiscard]] bool is_current() const { return current() == this; }
+  /// Lets go of the context, if the calling thread has it.
+  void release_current() {
+    if (!is_current()) return;
+    unbind();
+    current() = 0;
+  }
+  [[nodiscard]] bool is_current() const { return current() == id_; }
 
   /// The OpenGL functions; call them only while the context is current.
   [[nodiscard]] const GlFunctions& gl() const { return gl_; }
@@ -50,16 +60,11 @@ class Context {
 
  protected:
   virtual void bind() = 0;
-
-  /// To be called at the beginning of a backend's destructor.
-  void forget_current() {
-    if (current() == this) current() = nullptr;
-  }
+  virtual void unbind() = 0;  ///< a backend's destructor calls release_current() before it destroys the context
 
   /// Called once by a backend, with the context current: fills the function table and the info, and refuses less
   /// than 4.5.
   void load(Backend backend, GLADloadfunc get_address) {
-    current() = this;
     const int version = holdfast_gladLoadGLContext(&gl_, get_address);
     const std::string name(backend_name(backend));
     if (version == 0) throw ContextError(name + ": the driver gave a context but no OpenGL functions");
@@ -78,15 +83,22 @@ class Context {
   }
 
  private:
-  [[nodiscard]] static Context*& current() {
-    static thread_local Context* context = nullptr;
-    return context;
+  /// Number of the calling thread's context, 0 for none. A number, not an address, which a later context could have
+  /// again.
+  [[nodiscard]] static std::uint64_t& current() {
+    static thread_local std::uint64_t id = 0;
+    return id;
+  }
+  [[nodiscard]] static std::uint64_t next_id() {
+    static std::atomic<std::uint64_t> last{0};
+    return ++last;
   }
   [[nodiscard]] std::string text(GLenum key) const {
     const GLubyte* value = gl_.GetString(key);
     return value == nullptr ? std::string() : std::string(reinterpret_cast<const char*>(value));
   }
 
+  std::uint64_t id_ = next_id();
   GlFunctions gl_{};
   ContextInfo info_;
 };

@@ -72,11 +72,11 @@ class EglContext final : public Context {
       make_current();
       load(Backend::egl, [](const char* name) { return reinterpret_cast<GLADapiproc>(eglGetProcAddress(name)); });
     } catch (...) {
-      release();
+      destroy();
       throw;
     }
   }
-  ~EglContext() override { release(); }
+  ~EglContext() override { destroy(); }
 
  protected:
   void bind() override {
@@ -84,11 +84,11 @@ class EglContext final : public Context {
     if (eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_) != EGL_TRUE)
       throw ContextError("egl: the context cannot be made current (" + detail::egl_error() + ")");
   }
+  void unbind() override { eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT); }
 
  private:
-  void release() {
-    if (is_current()) eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-    forget_current();
+  void destroy() {
+    release_current();
     eglDestroyContext(display_, context_);
   }
 

@@ -34,24 +34,24 @@ class OsmesaContext final : public Context {
       make_current();
       load(Backend::osmesa, [](const char* name) { return reinterpret_cast<GLADapiproc>(OSMesaGetProcAddress(name)); });
     } catch (...) {
-      release();
+      destroy();
       throw;
     }
   }
-  ~OsmesaContext() override { release(); }
+  ~OsmesaContext() override { destroy(); }
 
  protected:
   void bind() override {
     if (OSMesaMakeCurrent(context_, buffer_.data(), GL_UNSIGNED_BYTE, side, side) != GL_TRUE)
       throw ContextError("osmesa: the context cannot be made current");
   }
+  void unbind() override { OSMesaMakeCurrent(nullptr, nullptr, GL_UNSIGNED_BYTE, 0, 0); }
 
  private:
   static constexpr int side = 16;
 
-  void release() {
-    if (is_current()) OSMesaMakeCurrent(nullptr, nullptr, GL_UNSIGNED_BYTE, 0, 0);
-    forget_current();
+  void destroy() {
+    release_current();
     OSMesaDestroyContext(context_);
   }
 

@@ -207,7 +207,7 @@ function angle(arcmin) { return arcmin >= 60 ? number(arcmin / 60, "\u00b0") .re
 
 /** "cuts it to 12 arcmin, 11 times less", or "makes it larger: ..." */
 function comparison(before, after) {
-  const a = before.peak_yaw_error_arcmin ?? before.registration.peak_arcmin, b = after.peak_yaw_error_arcmin ?? after.registration.peak_arcmin;
+  const a = before.registration.peak_arcmin, b = after.registration.peak_arcmin;
   if (!(a > 0) || !(b > 0)) return null;
   const ratio = a / b;
   if (ratio > 1.1) return el("p", {}, "Predicting the head's motion at constant velocity (P1) cuts the largest error to ", el("strong", {}, angle(b)), `, ${number(ratio)} times less.`);
@@ -219,7 +219,7 @@ function introduction() {
   const head = data.headline, still = row("P0"), predicted = row("P1"), first = still || predicted || summary.rows[0];
   page.append(el("p.eyebrow", {}, "Holdfast \u00b7 swim report"));
   if (!first) return;
-  const peak = first.peak_yaw_error_arcmin ?? first.registration.peak_arcmin;
+  const peak = first.registration.peak_arcmin;
   page.append(el("h1", {}, still ? `At ${number(head.latency_ms).replace(/\.0+$/, "")} ms, the virtual world slips by up to ${angle(peak)}` : `Swim of ${first.pipeline} at ${number(head.latency_ms)} ms`));
   page.append(el("p.lead", {}, "A see-through headset draws virtual things over the real room. When you move your head, they must move the other way in the picture, " +
     "or they will not stay put. But every picture is a little late: it was drawn for where the head was a moment ago. So virtual things slide over the real ones while you move, " +
@@ -234,7 +234,7 @@ function introduction() {
   for (const r of [still, predicted].filter(Boolean)) {
     const mark = el("i.dot"); mark.style.color = seriesColor(r.pipeline);
     cards.append(el("div.card", {}, el("header", {}, mark, el("strong", {}, pipelineTitle(r.pipeline)), el("span", {}, `${r.motion}, ${number(r.latency_ms).replace(/\.0+$/, "")} ms`)),
-      el("dl.figures", {}, ...[["largest error", angle(r.peak_yaw_error_arcmin ?? r.registration.peak_arcmin), number(r.registration.peak_px, "px")],
+      el("dl.figures", {}, ...[["largest error", angle(r.registration.peak_arcmin), number(r.registration.peak_px, "px")],
         ["fastest swim", number(r.swim.peak_deg_s, "\u00b0/s"), "RMS " + number(r.swim.rms_deg_s, "\u00b0/s")],
         ["effective latency", number(r.effective_latency_ms, "ms"), `of ${number(r.latency_ms).replace(/\.0+$/, "")} ms injected`]]
         .map(([name, value, more]) => el("div", {}, el("dt", {}, name), el("dd", {}, value, el("small", {}, more)))))));
@@ -311,7 +311,8 @@ function sweeps() {
 
 function expectedText(r) {
   if (!r.expected) return "\u2013";
-  return Object.entries(r.expected).map(([key, value]) => `${key.replace(/_(px|arcmin|deg_s|ms|mm|deg)$/, "").replaceAll("_", " ")} ${number(value, unitOf(key))}`).join(", ");
+  return Object.entries(r.expected).map(([key, v]) => `${key.replace(/^pose\.|^registration\./, "").replace(/_(px|arcmin|deg_s|ms|mm|deg)$/, "").replaceAll("_", " ")} ` +
+    `${number(v.measured)} / ${number(v.expected, unitOf(key))}`).join("; ");
 }
 function unitOf(key) {
   const found = key.match(/_(px|arcmin|deg_s|ms|mm|deg)$/);
@@ -336,8 +337,8 @@ function results() {
     { name: "Swim RMS", unit: "\u00b0/s", value: (r) => number(r.swim.rms_deg_s) },
     { name: "peak", unit: "\u00b0/s", value: (r) => number(r.swim.peak_deg_s) },
     { name: "Effective latency", unit: "ms", value: of("effective_latency_ms") },
-    { name: "Peak yaw error", unit: "arcmin", value: of("peak_yaw_error_arcmin") },
-    { name: "Theory", text: true, value: expectedText },
+    { name: "Peak yaw error", unit: "arcmin", value: (r) => number(r.pose.peak_yaw_arcmin) },
+    { name: "Measured / theory", text: true, value: expectedText },
     { name: "Picture against theory", unit: "px RMS", value: of("picture_vs_theory_px") },
     { name: "Verdict", text: true, value: (r) => verdict(r.verdict) },
   ], summary.rows, "All rows"));

@@ -1,0 +1,241 @@
+#include "options.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <memory>
+
+#include <holdfast/io/input_error.hpp>
+#include <holdfast/motion/generators.hpp>
+
+namespace swimlab {
+
+using namespace holdfast;
+
+namespace {
+
+[[noreturn]] void refuse(const std::string& option, const std::string& problem, const std::string& value,
+                         const std::string& expected) {
+  throw io::InputError({.key = option, .problem = problem, .value = value, .expected = expected});
+}
+
+/// Each word as one of the choices' values.
+template <typename Value>
+std::vector<Value> chosen(const std::string& option, const Words& words,
+                          std::initializer_list<std::pair<const char*, Value>> choices) {
+  std::string names;
+  for (const auto& choice : choices) names += (names.empty() ? "" : ", ") + std::string(choice.first);
+  std::vector<Value> values;
+  for (const std::string& word : words) {
+    bool known = false;
+    for (const auto& [name, value] : choices) {
+      if (word != name) continue;
+      known = true;
+      values.push_back(value);
+    }
+    if (!known) refuse(option, "unknown", word, "one of " + names);
+  }
+  return values;
+}
+
+std::vector<Pipeline> pipelines_of(const Words& words) {
+  std::vector<Pipeline> pipelines;
+  for (const std::string& word : words) {
+    const std::optional<Pipeline> pipeline = parse_pipeline(word);
+    if (!pipeline) refuse("--pipeline", "unknown pipeline", word, "P0 (no prediction) or P1 (constant velocity)");
+    if (!is_available(*pipeline)) {
+      refuse("--pipeline", "not available yet", word, "P0 (no prediction) or P1 (constant velocity)");
+    }
+    pipelines.push_back(*pipeline);
+  }
+  return pipelines;
+}
+
+PixelSize size_of(const std::string& word) {
+  const std::string expected = "WIDTHxHEIGHT in pixels, each 64 to 8192, for example 1280x720";
+  PixelSize size;
+  const char* const end = word.data() + word.size();
+  const auto width = std::from_chars(word.data(), end, size.width);
+  if (width.ec != std::errc() || width.ptr == end || *width.ptr != 'x') refuse("--size", "not a size", word, expected);
+  const auto height = std::from_chars(width.ptr + 1, end, size.height);
+  if (height.ec != std::errc() || height.ptr != end) refuse("--size", "not a size", word, expected);
+  for (const int side : {size.width, size.height}) {
+    if (side < 64 || side > 8192) refuse("--size", "out of range", word, expected);
+  }
+  return size;
+}
+
+std::uint64_t seed_of(const std::string& word) {
+  std::uint64_t seed = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), seed);
+  if (error != std::errc() || end != word.data() + word.size()) {
+    refuse("--seed", "not a seed", word, "a whole number, 0 or more");
+  }
+  return seed;
+}
+
+/// The text of the options of `run`, before they are checked.
+struct RunWords {
+  Words motions, pipelines, latencies, eyes, lenses, displays;
+  std::string late = "3", size, seed = "1", backend, hmd, model, out = "out/swimlab", json;
+  bool full = false, lenient = false;
+};
+
+RunOptions checked(const RunWords& words, const std::string& command_line) {
+  const auto or_else = [](const Words& given, Words usual) { return given.empty() ? usual : given; };
+  RunOptions o;
+  o.full = words.full;
+  o.lenient = words.lenient;
+  o.motions = or_else(words.motions, words.full ? Words{"M0", "M1", "M2", "M3", "M4", "M5", "M6", "M7", "M8"}
+                                                : Words{"M1", "M3", "M4", "M7"});
+  o.pipelines = pipelines_of(or_else(words.pipelines, {"P0", "P1"}));
+  o.latencies_ms =
+      numbers_of("--latency-ms", or_else(words.latencies, words.full ? Words{"2", "20", "60", "100"} : Words{"60"}),
+                 0.0, 1000.0, "milliseconds, 0 to 1000");
+  for (const std::string& word : or_else(words.eyes, words.full ? Words{"both"} : Words{"left"})) {
+    if (word == "both") {
+      o.eyes.insert(o.eyes.end(), {EyeSide::left, EyeSide::right});
+    } else {
+      o.eyes.push_back(chosen<EyeSide>("--eye", {word},
+                                       {{"left", EyeSide::left}, {"right", EyeSide::right}, {"both", EyeSide::left}})
+                           .front());
+    }
+  }
+  o.lenses = chosen<LensMode>(
+      "--lens",
+      or_else(words.lenses, words.full ? Words{"none", "exact", "cubic", "uncorrected"} : Words{"none", "exact"}),
+      {{"none", LensMode::none},
+       {"exact", LensMode::exact},
+       {"cubic", LensMode::cubic},
+       {"uncorrected", LensMode::uncorrected}});
+  for (const ScanOut scan_out :
+       chosen<ScanOut>("--display", words.full ? or_else(words.displays, {"global", "rolling"}) : words.displays,
+                       {{"global", ScanOut::global}, {"rolling", ScanOut::rolling}})) {
+    o.displays.emplace_back(scan_out);
+  }
+  if (o.displays.empty()) o.displays.emplace_back(std::nullopt);
+  o.late_ms = number_of("--late-ms", words.late, 0.0, 1000.0, "milliseconds, 0 to 1000");
+  if (!words.size.empty()) o.size = size_of(words.size);
+  o.seed = seed_of(words.seed);
+  if (!words.backend.empty()) {
+    o.backend = rendering::parse_backend(words.backend);
+    if (!o.backend) refuse("--backend", "unknown", words.backend, "one of " + rendering::built_backend_names());
+  }
+  o.hmd = words.hmd;
+  o.model = words.model;
+  o.out = words.out;
+  o.json = words.json;
+  o.command = command_line;
+  return o;
+}
+
+void add_json(CLI::App& command, std::string& json) {
+  command.add_option("--json", json, "Write the results also to this file")->type_name("FILE");
+}
+
+CLI::Option* add_words(CLI::App& command, const std::string& name, Words& words, const std::string& help) {
+  return command.add_option(name, words, help)->delimiter(',')->type_name("WORD,...")->expected(1);
+}
+
+}  // namespace
+
+double number_of(const std::string& option, const std::string& word, double least, double most,
+                 const std::string& expected) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value)) {
+    refuse(option, "not a number", word, expected);
+  }
+  if (value < least || value > most) refuse(option, "out of range", word, expected);
+  return value;
+}
+
+std::vector<double> numbers_of(const std::string& option, const Words& words, double least, double most,
+                               const std::string& expected) {
+  std::vector<double> values;
+  for (const std::string& word : words) values.push_back(number_of(option, word, least, most, expected));
+  return values;
+}
+
+void add_run_command(CLI::App& app, const std::string& command_line, int& exit_code) {
+  CLI::App& run_app = *app.add_subcommand("run", "Run registration experiments and write a report");
+  const auto words = std::make_shared<RunWords>();
+  std::string names;
+  for (const MotionName& name : motion_names()) names += "\n  " + std::string(name.id) + "  " + std::string(name.title);
+  add_words(run_app, "--motion", words->motions,
+            "Motions: M0 to M8 (below) or recordings (TUM, EuRoC, CSV); M1,M3,M4,M7");
+  add_words(run_app, "--pipeline", words->pipelines, "P0 no prediction, P1 constant velocity; P0,P1");
+  add_words(run_app, "--latency-ms", words->latencies, "From the tracker's measurement to the middle of scan-out; 60");
+  add_words(run_app, "--eye", words->eyes, "left, right or both; left");
+  add_words(run_app, "--lens", words->lenses, "none, exact, cubic, uncorrected; none,exact");
+  add_words(run_app, "--display", words->displays, "global or rolling; as the headset says");
+  run_app.add_option("--late-ms", words->late,
+                     "Late pose before scan-out; used by pipelines that deflect (from P4); 3");
+  run_app.add_option("--hmd", words->hmd, "Headset descriptor (assets/hmds/*.json)")->type_name("FILE");
+  run_app.add_option("--model", words->model, "Draw this model too: anything assimp reads")->type_name("FILE");
+  run_app.add_option("--size", words->size, "Pixels of one eye's picture; 1280x720")->type_name("WxH");
+  run_app.add_flag("--full", words->full, "Every motion, eye, lens, latency and display: minutes, not seconds");
+  run_app.add_option("--seed", words->seed, "Of the random motions M4 to M6; 1")->type_name("N");
+  run_app.add_option("--backend", words->backend, "OpenGL without a window: " + rendering::built_backend_names());
+  run_app.add_option("--out", words->out, "Folder for the report; out/swimlab")->type_name("DIR");
+  run_app.add_flag("--lenient", words->lenient, "Drop and count bad rows of a recording instead of stopping");
+  add_json(run_app, words->json);
+  run_app.footer("Motions:" + names +
+                 "\n\nExample:\n  swimlab run --motion M1,head.tum --latency-ms 20,60 --out out/report\n"
+                 "Exit code: 0 done, 1 a value that theory demands was missed, 2 wrong use or unreadable input.");
+  run_app.callback([words, command_line, &exit_code] { exit_code = run(checked(*words, command_line)); });
+}
+
+void add_predict_command(CLI::App& app, int& exit_code) {
+  struct Given {
+    std::string trajectory, imu, json;
+    Words intervals;
+    bool lenient = false;
+  };
+  CLI::App& predict_app = *app.add_subcommand("predict", "Predict a recorded motion and say how far off it is");
+  const auto given = std::make_shared<Given>();
+  predict_app.add_option("TRAJECTORY", given->trajectory, "Recorded poses: TUM, EuRoC or CSV")->required();
+  predict_app.add_option("--imu", given->imu, "Inertial measurements (for predictors that are not available yet)")
+      ->type_name("FILE");
+  add_words(predict_app, "--interval-ms", given->intervals, "How far ahead; 60");
+  predict_app.add_flag("--lenient", given->lenient, "Drop and count bad rows instead of stopping");
+  add_json(predict_app, given->json);
+  predict_app.footer("Example:\n  swimlab predict head.tum --interval-ms 20,60,100 --json predict.json");
+  predict_app.callback([given, &exit_code] {
+    PredictOptions o;
+    o.trajectory = given->trajectory;
+    o.imu = given->imu;
+    o.json = given->json;
+    o.lenient = given->lenient;
+    o.intervals_ms = numbers_of("--interval-ms", given->intervals.empty() ? Words{"60"} : given->intervals, 0.0, 1000.0,
+                                "milliseconds, 0 to 1000");
+    exit_code = predict(o);
+  });
+}
+
+void add_latency_command(CLI::App& app, int& exit_code) {
+  struct Given {
+    std::string reference, observed, json;
+    bool same_frames = false, lenient = false;
+  };
+  CLI::App& latency_app =
+      *app.add_subcommand("latency", "Effective latency and errors of one recording against another");
+  const auto given = std::make_shared<Given>();
+  latency_app.add_option("REFERENCE", given->reference, "What is true: TUM, EuRoC or CSV")->required();
+  latency_app.add_option("OBSERVED", given->observed, "What was displayed or tracked, on the same clock")->required();
+  latency_app.add_flag("--same-frames", given->same_frames,
+                       "Both speak of one world and one body: do not estimate the rigid transform between them");
+  latency_app.add_flag("--lenient", given->lenient, "Drop and count bad rows instead of stopping");
+  add_json(latency_app, given->json);
+  latency_app.footer("Example:\n  swimlab latency robot_truth.tum headset.tum --json latency.json");
+  latency_app.callback([given, &exit_code] {
+    LatencyCommandOptions o;
+    o.reference = given->reference;
+    o.observed = given->observed;
+    o.json = given->json;
+    o.same_frames = given->same_frames;
+    o.lenient = given->lenient;
+    exit_code = latency(o);
+  });
+}
+
+}  // namespace swimlab

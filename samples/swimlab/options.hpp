@@ -1,0 +1,66 @@
+/// Options of the command line: read as text, checked here, so that every message names option, value and expectation.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include <holdfast/optics/hmd.hpp>
+#include <holdfast/registration/experiment_types.hpp>
+#include <holdfast/rendering/backend.hpp>
+
+namespace swimlab {
+
+/// What `swimlab run` was asked, checked.
+struct RunOptions {
+  std::vector<std::string> motions;  ///< names M0-M8 or files
+  std::vector<holdfast::Pipeline> pipelines;
+  std::vector<double> latencies_ms;
+  std::vector<holdfast::EyeSide> eyes;
+  std::vector<holdfast::LensMode> lenses;
+  std::vector<std::optional<holdfast::ScanOut>> displays;  ///< nothing: as the headset's descriptor says
+  double late_ms = 3.0;
+  std::filesystem::path hmd, model;  ///< empty: none
+  std::optional<holdfast::PixelSize> size;
+  bool full = false, lenient = false;
+  std::uint64_t seed = 1;
+  std::optional<holdfast::rendering::Backend> backend;
+  std::filesystem::path out, json;
+  std::string command;  ///< as typed, for the report
+};
+
+struct PredictOptions {
+  std::filesystem::path trajectory, imu, json;
+  std::vector<double> intervals_ms;
+  bool lenient = false;
+};
+
+struct LatencyCommandOptions {
+  std::filesystem::path reference, observed, json;
+  bool same_frames = false, lenient = false;
+};
+
+/// The words given to one option, cut at commas.
+using Words = std::vector<std::string>;
+
+/// `word` as a number within [least, most]; io::InputError that names the option otherwise.
+[[nodiscard]] double number_of(const std::string& option, const std::string& word, double least, double most,
+                               const std::string& expected);
+[[nodiscard]] std::vector<double> numbers_of(const std::string& option, const Words& words, double least, double most,
+                                             const std::string& expected);
+
+/// The subcommands' options; the returned callables check them when the command line is read, and run the command.
+void add_run_command(CLI::App& app, const std::string& command_line, int& exit_code);
+void add_predict_command(CLI::App& app, int& exit_code);
+void add_latency_command(CLI::App& app, int& exit_code);
+
+// run_command.cpp, predict_command.cpp, latency_command.cpp
+[[nodiscard]] int run(const RunOptions& options);
+[[nodiscard]] int predict(const PredictOptions& options);
+[[nodiscard]] int latency(const LatencyCommandOptions& options);
+
+}  // namespace swimlab

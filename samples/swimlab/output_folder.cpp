@@ -1,0 +1,85 @@
+#include "output_folder.hpp"
+
+#include <string>
+#include <system_error>
+
+#include <unistd.h>
+
+#include <holdfast/io/text_file.hpp>
+
+namespace swimlab {
+
+namespace fs = std::filesystem;
+using holdfast::io::InputError;
+
+namespace {
+
+[[noreturn]] void refuse(const fs::path& target, const std::string& problem, const std::string& expected) {
+  throw InputError({.key = "--out", .problem = problem, .value = target.string(), .expected = expected});
+}
+
+bool is_summary(const fs::path& file) {
+  return holdfast::io::read_text_file(file).find("\"holdfast/run/1\"") != std::string::npos;
+}
+
+/// Name of the first thing in the folder that a run does not write; empty when all is ours.
+std::string stranger_in(const fs::path& folder) {
+  bool empty = true, summary = false;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    empty = false;
+    const std::string name = entry.path().filename().string();
+    if (name == "summary.json") summary = is_summary(entry.path());
+    const bool ours = name == "report.html" || name == "summary.json" || name == "rows.csv";
+    if (!ours && name != "pictures") return name;
+    if (name != "pictures") continue;
+    if (!entry.is_directory()) return name;
+    for (const auto& picture : fs::directory_iterator(entry.path())) {
+      if (picture.path().extension() != ".png") return "pictures/" + picture.path().filename().string();
+    }
+  }
+  return empty || summary ? "" : "no summary.json of swimlab";
+}
+
+}  // namespace
+
+OutputFolder::OutputFolder(const fs::path& target) {
+  const std::string expected = "a new folder, or one that swimlab run wrote";
+  if (target.empty()) refuse(target, "empty", expected);
+  target_ = fs::absolute(target).lexically_normal();
+  if (!target_.has_filename()) target_ = target_.parent_path();  // "report/" is "report"
+  if (target_ == target_.root_path() || target_ == fs::current_path()) refuse(target, "cannot be replaced", expected);
+  try {
+    if (fs::exists(target_)) {
+      if (!fs::is_directory(target_)) refuse(target, "is a file", expected);
+      const std::string stranger = stranger_in(target_);
+      if (!stranger.empty()) refuse(target, "holds other things (" + stranger + ") and is left as it is", expected);
+    }
+    fs::create_directories(target_.parent_path());
+    unfinished_ = target_.parent_path() / (target_.filename().string() + ".unfinished-" + std::to_string(getpid()));
+    fs::create_directories(unfinished_ / "pictures");
+  } catch (const fs::filesystem_error& error) {
+    refuse(target, "cannot be written: " + error.code().message(), "a writable place");
+  }
+}
+
+OutputFolder::~OutputFolder() {
+  std::error_code ignored;
+  if (!committed_) fs::remove_all(unfinished_, ignored);
+}
+
+void OutputFolder::commit() {
+  const fs::path old = fs::path(unfinished_).concat("-old");
+  const bool replace = fs::exists(target_);
+  std::error_code error;
+  if (replace) fs::rename(target_, old, error);
+  if (!error) fs::rename(unfinished_, target_, error);
+  if (error) {
+    std::error_code ignored;
+    if (replace && !fs::exists(target_)) fs::rename(old, target_, ignored);
+    refuse(target_, "cannot be written: " + error.message(), "a writable place");
+  }
+  committed_ = true;
+  fs::remove_all(old, error);
+}
+
+}  // namespace swimlab

@@ -1,0 +1,196 @@
+#include "report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <span>
+
+#include <holdfast/io/png.hpp>
+#include <holdfast/rendering/composition.hpp>
+
+#include "report_assets.hpp"
+
+namespace swimlab {
+
+using namespace holdfast;
+using io::Image;
+using io::ResultJson;
+
+namespace {
+
+std::string base64(std::span<const std::uint8_t> bytes) {
+  static constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t n = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t block = 0;
+    for (std::size_t k = 0; k < 3; ++k) block = block << 8 | (k < n ? bytes[i + k] : 0u);
+    for (std::size_t k = 0; k < 4; ++k) text += k <= n ? digits[block >> (18 - 6 * k) & 63u] : '=';
+  }
+  return text;
+}
+
+std::string with_unit(const char* format, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+void copy_into(Image& sheet, const Image& picture, int left, int top) {
+  for (int y = 0; y < picture.height; ++y) {
+    for (int x = 0; x < picture.width; ++x) {
+      sheet.set(left + x, sheet.height - top - picture.height + y, picture.at(x, y));
+    }
+  }
+}
+
+/// A white line with a dot at its start; coordinates as Arrow's.
+void draw_arrow(Image& image, const Arrow& arrow) {
+  const auto put = [&](double x, double y) {
+    const int column = static_cast<int>(x), row = image.height - 1 - static_cast<int>(y);
+    if (column >= 0 && row >= 0 && column < image.width && row < image.height)
+      image.set(column, row, {255, 255, 255, 255});
+  };
+  const double dx = arrow[2] - arrow[0], dy = arrow[3] - arrow[1], length = std::hypot(dx, dy);
+  for (double s = 0.0; s <= length; s += 0.5)
+    put(arrow[0] + dx * s / std::max(length, 1e-9), arrow[1] + dy * s / std::max(length, 1e-9));
+  if (length < 3.0) return;
+  const double head = std::min(6.0, 0.5 * length), ux = dx / length, uy = dy / length;
+  for (double s = 0.0; s <= head; s += 0.5) {
+    put(arrow[2] - s * (ux + 0.5 * uy), arrow[3] - s * (uy - 0.5 * ux));
+    put(arrow[2] - s * (ux - 0.5 * uy), arrow[3] - s * (uy + 0.5 * ux));
+  }
+}
+
+void replace_once(std::string& text, std::string_view mark, std::string_view by) {
+  const std::size_t at = text.find(mark);
+  if (at != std::string::npos) text.replace(at, mark.size(), by);
+}
+
+}  // namespace
+
+std::string file_stem(const ExperimentRow& row) {
+  std::string stem = row.motion + '_' + std::string(holdfast::name_of(row.pipeline)) + '_' +
+                     std::string(io::name_of(row.eye)) + '_' + std::string(io::name_of(row.lens)) + '_' +
+                     with_unit("%g", row.latency_ms) + "ms_" + std::string(io::name_of(row.display));
+  for (char& c : stem) {
+    const bool plain =
+        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '_';
+    if (!plain) c = '-';
+  }
+  return stem;
+}
+
+void write_pictures(const std::filesystem::path& folder, const RowResult& result) {
+  const std::string stem = file_stem(result.row);
+  if (!result.contact.empty()) {
+    constexpr int gap = 4;
+    const int width = result.contact[0].real.width, height = result.contact[0].real.height;
+    const int columns = static_cast<int>(result.contact.size());
+    Image sheet(columns * (width + gap) - gap, 3 * (height + gap) - gap, {250, 249, 246, 255});
+    for (int column = 0; column < columns; ++column) {
+      const PictureFrame& frame = result.contact[static_cast<std::size_t>(column)];
+      Image both = rendering::overlay(frame.real, frame.drawn);
+      for (const Arrow& arrow : frame.arrows) draw_arrow(both, arrow);
+      const int left = column * (width + gap);
+      copy_into(sheet, frame.real, left, 0);
+      copy_into(sheet, frame.drawn, left, height + gap);
+      copy_into(sheet, both, left, 2 * (height + gap));
+    }
+    io::write_png(folder / (stem + "_contact.png"), sheet);
+  }
+  if (!result.worst) return;
+  io::write_png(folder / (stem + "_worst.png"), rendering::overlay(result.worst->real, result.worst->drawn));
+  io::write_png(folder / (stem + "_worst_difference.png"),
+                rendering::difference(result.worst->real, result.worst->drawn));
+}
+
+ResultJson page_picture(const Image& image, const std::string& caption, const std::vector<Arrow>* arrows) {
+  ResultJson json = {{"src", "data:image/png;base64," + base64(io::encode_png(image))},
+                     {"width", image.width},
+                     {"height", image.height},
+                     {"caption", caption}};
+  if (arrows == nullptr) return json;
+  json["arrows"] = ResultJson::array();
+  for (const Arrow& arrow : *arrows) {
+    ResultJson list = ResultJson::array();
+    for (const double x : arrow) list.push_back(std::round(10.0 * x) / 10.0);
+    json["arrows"].push_back(list);
+  }
+  return json;
+}
+
+ResultJson contact_sheet(const std::vector<const RowResult*>& rows) {
+  ResultJson sheet;
+  sheet["times_s"] = ResultJson::array();
+  sheet["rows"] = ResultJson::array();
+  if (rows.empty()) return sheet;
+  const auto add = [&](const std::string& label, const std::string& note) -> ResultJson& {
+    sheet["rows"].push_back({{"label", label}, {"note", note}, {"pictures", ResultJson::array()}});
+    return sheet["rows"].back()["pictures"];
+  };
+  ResultJson& real = add("Real", "the room, at the moment of display");
+  for (const PictureFrame& frame : rows.front()->contact) {
+    sheet["times_s"].push_back(std::round(100.0 * frame.t_s) / 100.0);
+    real.push_back(page_picture(frame.real, ""));
+  }
+  for (const RowResult* row : rows) {
+    const std::string name(holdfast::name_of(row->row.pipeline));
+    ResultJson& drawn = add(name, "virtual");
+    for (const PictureFrame& frame : row->contact) drawn.push_back(page_picture(frame.drawn, ""));
+    ResultJson& both = add(name, "over the real, with error arrows");
+    for (const PictureFrame& frame : row->contact) {
+      both.push_back(page_picture(rendering::overlay(frame.real, frame.drawn),
+                                  with_unit("Error %.1f px RMS.", frame.rms_px), &frame.arrows));
+    }
+  }
+  sheet["caption"] =
+      "Grey is real, coloured is virtual. Arrows lead from each real disc to where its virtual twin is drawn. Select a "
+      "picture "
+      "to enlarge it.";
+  return sheet;
+}
+
+ResultJson worst_picture(const RowResult& result) {
+  const PictureFrame& frame = *result.worst;
+  const int factor = frame.real.width > 800 ? 2 : 1;
+  std::vector<Arrow> arrows = frame.arrows;
+  for (Arrow& arrow : arrows) {
+    for (double& x : arrow) x /= factor;
+  }
+  ResultJson json = page_picture(smaller(rendering::overlay(frame.real, frame.drawn), factor),
+                                 with_unit("At %.2f s, when the error is largest: ", frame.t_s) +
+                                     with_unit("%.1f px RMS. Grey is real, coloured is virtual.", frame.rms_px),
+                                 &arrows);
+  json["title"] = result.row.pipeline == Pipeline::p0 ? "P0, no prediction" : "P1, constant velocity";
+  return json;
+}
+
+std::string report_page(const ResultJson& data) {
+  std::string json = data.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  // Inside a script element only "</" and "<!--" could end it early; "<" is plain in JSON's strings.
+  std::string safe;
+  safe.reserve(json.size());
+  for (const char c : json) {
+    if (c == '<') {
+      safe += "\\u003c";
+    } else {
+      safe += c;
+    }
+  }
+  std::string page(assets::page);
+  replace_once(page, "{{chart_style}}", assets::chart_style);
+  replace_once(page, "{{style}}", assets::style);
+  replace_once(page, "{{data}}", safe);
+  // dygraphs names a source map that is not here: browsers would look for it.
+  std::string charts(assets::chart_script);
+  const std::size_t map = charts.rfind("//# sourceMappingURL");
+  if (map != std::string::npos) charts.erase(map);
+  replace_once(page, "{{chart_script}}", charts);
+  replace_once(page, "{{script}}", assets::script);
+  return page;
+}
+
+}  // namespace swimlab

@@ -1,0 +1,305 @@
+/// swimlab run: rows of experiments, the values that theory demands, pictures and the report.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <map>
+
+#include <holdfast/io/hmd.hpp>
+#include <holdfast/io/input_error.hpp>
+#include <holdfast/io/results.hpp>
+
+#include "charts.hpp"
+#include "checks.hpp"
+#include "exit_code.hpp"
+#include "motions.hpp"
+#include "options.hpp"
+#include "output_folder.hpp"
+#include "progress.hpp"
+#include "report.hpp"
+#include "row_runner.hpp"
+#include "studio.hpp"
+
+namespace swimlab {
+
+using namespace holdfast;
+using io::ResultJson;
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double ms_since(Clock::time_point begin) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+HmdModel headset(const RunOptions& options) {
+  if (options.hmd.empty()) return default_hmd(options.size.value_or(PixelSize{1280, 720}));
+  HmdModel hmd = io::read_hmd(options.hmd);
+  return options.size ? with_resolution(hmd, *options.size) : hmd;
+}
+
+HmdModel with_display(HmdModel hmd, std::optional<ScanOut> scan_out) {
+  if (!scan_out) return hmd;
+  hmd.timing.scan_out = *scan_out;
+  if (*scan_out == ScanOut::rolling && hmd.timing.scan_duration <= Duration{0}) {
+    hmd.timing.scan_duration = std::min<Duration>(std::chrono::microseconds(11100), frame_period(hmd.timing));
+  }
+  return hmd;
+}
+
+/// A row to be run: which motion, with which settings.
+struct Task {
+  const ChosenMotion* motion;
+  ExperimentSettings settings;
+};
+
+std::vector<Task> tasks_of(const RunOptions& options, const std::vector<ChosenMotion>& motions, const HmdModel& hmd) {
+  std::vector<Task> tasks;
+  for (const ChosenMotion& motion : motions) {
+    for (const auto& display : options.displays) {
+      for (const EyeSide eye : options.eyes) {
+        for (const LensMode lens : options.lenses) {
+          for (const double latency_ms : options.latencies_ms) {
+            for (const Pipeline pipeline : options.pipelines) {
+              ExperimentSettings s;
+              s.motion_name = motion.id;
+              s.pipeline = pipeline;
+              s.eye = eye;
+              s.lens = lens;
+              s.latency = from_milliseconds(latency_ms);
+              s.hmd = with_display(hmd, display);
+              s.velocity = motion.recorded ? VelocitySource::backward_difference : VelocitySource::exact;
+              if (const auto problem = problem_of(s)) throw io::InputError({.key = "settings", .problem = *problem});
+              if (frames_of(*motion.motion, s) < 3) {
+                throw io::InputError(
+                    {.key = "--motion " + motion.id,
+                     .problem = "too short for a latency of " + std::to_string(std::lround(latency_ms)) + " ms",
+                     .expected = "a motion that lasts some frames longer than the start-up of 0.2 s or more"});
+              }
+              tasks.push_back({&motion, std::move(s)});
+            }
+          }
+        }
+      }
+    }
+  }
+  return tasks;
+}
+
+std::string cell(const char* format, std::optional<double> value) {
+  if (!value) return "-";
+  char text[48];
+  std::snprintf(text, sizeof text, format, *value);
+  return text;
+}
+
+/// Theory beside measurement, as far as a row of text has room: the expectation of the peak yaw error or of the like.
+std::string theory_of(const ExperimentRow& row) {
+  if (row.expected.empty()) return "-";
+  const ExpectedValue& first = row.expected.front();
+  const std::size_t dot = first.name.find('.');
+  const std::string name = dot == std::string::npos ? first.name : first.name.substr(dot + 1);
+  return name + " " + cell("%.4g", first.measured) + " / " + cell("%.4g", first.expected);
+}
+
+/// Columns as wide as their widest cell; numbers to the right.
+void print_table(const std::vector<std::vector<std::string>>& rows, std::size_t left_columns) {
+  std::vector<std::size_t> widths(rows.front().size(), 0);
+  for (const auto& row : rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  }
+  for (const auto& row : rows) {
+    std::string line;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const std::string blanks(widths[i] - row[i].size(), ' ');
+      const bool left = i < left_columns || i + 2 >= row.size();
+      line += (i == 0 ? "" : "  ") + (left ? row[i] + blanks : blanks + row[i]);
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    std::printf("%s\n", line.c_str());
+  }
+}
+
+void print_rows(const std::vector<RowResult>& results) {
+  std::vector<std::vector<std::string>> table = {{"motion", "pipeline", "eye", "lens", "display", "ms", "RMS px",
+                                                  "peak px", "peak arcmin", "swim RMS deg/s", "peak", "eff. ms",
+                                                  "picture px", "measured / theory", "verdict"}};
+  for (const RowResult& result : results) {
+    const ExperimentRow& r = result.row;
+    const auto reg = [&](double RegistrationSummary::*m) {
+      return r.registration ? std::optional((*r.registration).*m) : std::nullopt;
+    };
+    const auto swim = [&](double SwimSummary::*m) { return r.swim ? std::optional((*r.swim).*m) : std::nullopt; };
+    table.push_back({r.motion, std::string(holdfast::name_of(r.pipeline)), std::string(io::name_of(r.eye)),
+                     std::string(io::name_of(r.lens)), std::string(io::name_of(r.display)), cell("%g", r.latency_ms),
+                     cell("%.2f", reg(&RegistrationSummary::rms_px)), cell("%.2f", reg(&RegistrationSummary::peak_px)),
+                     cell("%.1f", reg(&RegistrationSummary::peak_arcmin)), cell("%.2f", swim(&SwimSummary::rms_deg_s)),
+                     cell("%.2f", swim(&SwimSummary::peak_deg_s)), cell("%.2f", r.effective_latency_ms),
+                     cell("%.4f", r.picture_vs_theory_px), theory_of(r), std::string(holdfast::name_of(r.verdict))});
+  }
+  print_table(table, 5);
+}
+
+/// The few signs of the checks' words that are not ASCII are kept: terminals read UTF-8.
+void print_checks(const std::vector<Check>& checks) {
+  std::printf("\nWhat theory demands (the values of the evaluation plan):\n");
+  for (const Check& check : checks) {
+    std::printf("  %d  %-4s %10.4g %-6s %s %.4g%s  %s\n", check.value, check.holds() ? "pass" : "FAIL", check.measured,
+                check.unit.c_str(), check.at_most ? "at most" : "expected", check.expected,
+                check.at_most ? "" : (" +-" + cell("%.2g", check.tolerance)).c_str(), check.what.c_str());
+  }
+}
+
+/// The row that headlines speak of: first motion that moves, and the first of everything else.
+const RowResult& headline_of(const std::vector<RowResult>& results) {
+  for (const RowResult& result : results) {
+    if (result.row.motion != "M0" && result.row.registration) return result;
+  }
+  return results.front();
+}
+
+bool is_like(const ExperimentRow& row, const ExperimentRow& head) {
+  return row.eye == head.eye && row.lens == head.lens && row.latency_ms == head.latency_ms &&
+         row.display == head.display;
+}
+
+/// Whether a row's pictures are kept in a full run: those that differ from the first row only in motion and pipeline.
+bool is_shown(const ExperimentSettings& a, const ExperimentSettings& first) {
+  return a.eye == first.eye && a.lens == first.lens && a.latency == first.latency &&
+         a.hmd.timing.scan_out == first.hmd.timing.scan_out;
+}
+
+/// The page's data beyond the summary.
+ResultJson report_data(const ResultJson& summary, const std::vector<Task>& tasks, const std::vector<RowResult>& results,
+                       const std::vector<ChosenMotion>& motions, const RunOptions& options,
+                       const RegistrationScene& scene) {
+  const RowResult& head = headline_of(results);
+  ResultJson data;
+  data["summary"] = summary;
+  data["motions"] = ResultJson::object();
+  data["heroes"] = ResultJson::array();
+  for (const ChosenMotion& motion : motions) {
+    std::vector<TimeSeries> series;
+    std::vector<const RowResult*> rows;
+    const ExperimentSettings* settings = nullptr;
+    for (std::size_t i = 0; i < results.size(); ++i) {
+      if (tasks[i].motion != &motion || !is_like(results[i].row, head.row)) continue;
+      series.push_back({results[i].row.pipeline, results[i].samples});
+      rows.push_back(&results[i]);
+      settings = &tasks[i].settings;
+    }
+    if (settings == nullptr) continue;
+    ResultJson& page = data["motions"][motion.id];
+    page["tab"] = motion.title;
+    page["about"] = motion.about;
+    page["charts"] = {error_chart(series), swim_chart(series),
+                      latency_chart(*motion.motion, *settings, options.pipelines, scene)};
+    page["sheet"] = contact_sheet(rows);
+    if (motion.id != head.row.motion) continue;
+    for (const RowResult* row : rows) {
+      if (row->worst) data["heroes"].push_back(worst_picture(*row));
+    }
+    data["headline"] = {{"motion", motion.id},
+                        {"motion_title", motion.title},
+                        {"latency_ms", head.row.latency_ms},
+                        {"lens", io::name_of(head.row.lens)},
+                        {"eye", io::name_of(head.row.eye)},
+                        {"display", io::name_of(head.row.display)},
+                        {"peak_head_deg_s", rounded(peak_head_speed_deg_s(*motion.motion))}};
+    data["sweeps"] = frequency_charts(*settings, options.pipelines);
+  }
+  return data;
+}
+
+ResultJson environment_json(const Studio& studio, const HmdModel& hmd) {
+  const PixelSize size = hmd.left.resolution;
+  return {{"backend", rendering::backend_name(studio.info().backend)},
+          {"gl_version", studio.info().gl_version},
+          {"gl_renderer", studio.info().gl_renderer},
+          {"hmd", hmd.name},
+          {"display", hmd.name + ", " + std::to_string(size.width) + " x " + std::to_string(size.height) +
+                          " px per eye, " + cell("%g", hmd.timing.refresh_hz) + " Hz"},
+          {"model", studio.model_name().empty() ? ResultJson(nullptr) : ResultJson(studio.model_name())},
+          {"scene", studio.model_name().empty() ? "discs, frame corner, edge and checkerboard"
+                                                : "discs, frame corner, edge, checkerboard and " + studio.model_name()},
+          {"holdfast_version", HOLDFAST_VERSION}};
+}
+
+}  // namespace
+
+int run(const RunOptions& options) {
+  const HmdModel hmd = headset(options);
+  const std::vector<ChosenMotion> motions = load_motions(options);
+  const std::vector<Task> tasks = tasks_of(options, motions, hmd);
+  OutputFolder folder(options.out);
+  const RegistrationScene scene = default_registration_scene();
+  Studio studio(options.backend, scene, options.model);
+  RowRunner runner(studio, scene);
+
+  Progress progress("swimlab run", tasks.size() + 2);
+  progress.show(0, "what theory demands");
+  const std::vector<Check> checks = run_checks(studio, scene);
+  const double checks_draw_ms = studio.draw_readback_ms();
+  const std::size_t checks_pictures = studio.pictures();
+
+  std::vector<RowResult> results;
+  double encode_ms = 0.0;
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    const Task& task = tasks[i];
+    progress.show(i + 1, task.motion->id + " " + std::string(holdfast::name_of(task.settings.pipeline)));
+    PicturePlan plan;
+    if (options.full) plan.measured = 5;
+    if (options.full && !is_shown(task.settings, tasks.front().settings)) plan.contact = 0;
+    results.push_back(runner.run(*task.motion->motion, task.settings, plan));
+    const auto encoding = Clock::now();
+    write_pictures(folder.path() / "pictures", results.back());
+    encode_ms += ms_since(encoding);
+  }
+  const double draw_ms = studio.draw_readback_ms() - checks_draw_ms;
+  const std::size_t pictures = studio.pictures() - checks_pictures;
+  const double frame_loop_ms = runner.timing().frame_loop_ms;
+  encode_ms += runner.timing().encode_ms;
+
+  std::vector<ExperimentRow> rows;
+  for (const RowResult& result : results) rows.push_back(result.row);
+  ResultJson summary;
+  summary["schema"] = "holdfast/run/1";
+  summary["seed"] = options.seed;
+  summary["environment"] = environment_json(studio, hmd);
+  summary["rows"] = ResultJson::array();
+  for (const ExperimentRow& row : rows) summary["rows"].push_back(io::row_json(row));
+  summary["checks"] = checks_json(checks);
+  summary["command"] = options.command;
+  summary["late_ms"] = options.late_ms;
+
+  progress.show(tasks.size() + 1, "report");
+  const auto reporting = Clock::now();
+  summary["timing"] = {{"draw_readback_ms", io::number_or_null(draw_ms)},
+                       {"frame_loop_ms", io::number_or_null(frame_loop_ms)},
+                       {"ratio", io::number_or_null(frame_loop_ms / draw_ms)},
+                       {"encode_ms", io::number_or_null(encode_ms)},
+                       {"pictures", pictures}};
+  const ResultJson data = report_data(summary, tasks, results, motions, options, scene);
+  io::write_text_file(folder.path() / "report.html", report_page(data));
+  const double report_ms = ms_since(reporting);
+  summary["timing"]["report_ms"] = report_ms;
+  io::write_text_file(folder.path() / "rows.csv", io::rows_csv(rows));
+  io::write_text_file(folder.path() / "summary.json", io::json_text(summary));
+  folder.commit();
+  if (!options.json.empty()) io::write_text_file(options.json, io::json_text(summary));
+  progress.finish();
+
+  print_rows(results);
+  print_checks(checks);
+  std::printf("\n%zu pictures: bare draw and readback %.0f ms, whole frame loop %.0f ms, ratio %.3f (at most 1.25)\n",
+              pictures, draw_ms, frame_loop_ms, frame_loop_ms / draw_ms);
+  std::printf("apart from that: encoding pictures %.0f ms, charts and report %.0f ms\n", encode_ms, report_ms);
+  std::printf("report: %s\n", (folder.target() / "report.html").string().c_str());
+  const bool rows_hold =
+      std::none_of(rows.begin(), rows.end(), [](const auto& r) { return r.verdict == Verdict::fail; });
+  const bool checks_hold = std::all_of(checks.begin(), checks.end(), [](const auto& c) { return c.holds(); });
+  if (rows_hold && checks_hold) return done;
+  std::fprintf(stderr, "swimlab: something is not as theory demands; see FAIL above\n");
+  return check_failed;
+}
+
+}  // namespace swimlab

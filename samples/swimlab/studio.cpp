@@ -1,0 +1,99 @@
+#include "studio.hpp"
+
+#include <chrono>
+#include <cstdio>
+
+#include <holdfast/registration/fiducial_error.hpp>
+#include <holdfast/rendering/rolling.hpp>
+#include <holdfast/scene/load_model.hpp>
+
+namespace swimlab {
+
+using namespace holdfast;
+using namespace holdfast::rendering;
+
+namespace {
+
+class Stopwatch {
+ public:
+  explicit Stopwatch(double& sum_ms) : sum_ms_(sum_ms) {}
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+  ~Stopwatch() {
+    sum_ms_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin_).count();
+  }
+
+ private:
+  double& sum_ms_;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
+Studio::Studio(std::optional<Backend> backend, const RegistrationScene& scene, const std::filesystem::path& model)
+    : context_(backend ? make_context(*backend) : make_context()), scene_(*context_, scene), warp_(*context_) {
+  if (model.empty()) return;
+  const scene::Model loaded = scene::load_model(model);
+  for (const std::string& warning : loaded.warnings) {
+    std::fprintf(stderr, "%s: %s\n", model.string().c_str(), warning.c_str());
+  }
+  model_name_ = loaded.name;
+  T_WM_ = scene::default_place(loaded);
+  model_.emplace(*context_, loaded);
+}
+
+RenderTarget& Studio::target_of(PixelSize size, int samples, bool is_result) {
+  auto& target = targets_[{size.width, size.height, samples, is_result}];
+  if (!target) target = std::make_unique<RenderTarget>(*context_, size.width, size.height, samples);
+  return *target;
+}
+
+WarpTable& Studio::table_of(const EyeModel& eye, LensMode lens) {
+  const auto key = std::tuple(eye.side, lens, eye.resolution.width, eye.resolution.height);
+  const auto known = tables_.find(key);
+  if (known != tables_.end()) return known->second;
+  return tables_.emplace(key, seen_picture_table(*context_, eye, lens)).first->second;
+}
+
+void Studio::paint(const View& view, const SceneStyle& style) {
+  scene_.draw_solid(view, style);
+  if (model_ && style.corner) model_->draw(view, T_WM_, style.model_toning);
+  scene_.draw_flat(view, style);
+}
+
+void Studio::draw_virtual(const EyeModel& eye, LensMode lens, const Rigid& X_WE, const SceneStyle& style, Smooth smooth,
+                          io::Image& result) {
+  RenderTarget& target = target_of(eye.resolution, smooth == Smooth::yes ? std::min(4, info().max_samples) : 1);
+  const WarpTable* const table = needs_lens_pass(lens) ? &table_of(eye, lens) : nullptr;
+  const Stopwatch stopwatch(draw_readback_ms_);
+  ++pictures_;
+  target.clear(style.background);
+  paint({.eye = &eye, .X_WE = X_WE}, style);
+  if (table == nullptr) {
+    target.read_rgba(result);
+    return;
+  }
+  RenderTarget& seen = target_of(eye.resolution, 1, true);
+  warp_.draw(target, *table, seen);
+  seen.read_rgba(result);
+}
+
+void Studio::draw_real(const EyeModel& eye, LensMode lens, const DisplayTiming& timing,
+                       const std::function<Rigid(double)>& X_WE_at, const SceneStyle& style, Smooth smooth,
+                       io::Image& result, int bands) {
+  RenderTarget& target = target_of(eye.resolution, smooth == Smooth::yes ? std::min(4, info().max_samples) : 1);
+  const Stopwatch stopwatch(draw_readback_ms_);
+  ++pictures_;
+  target.clear(style.background);
+  if (timing.scan_out == ScanOut::global) {
+    paint({.eye = &eye, .X_WE = X_WE_at(0.0)}, style);
+  } else {
+    draw_rolling(target, bands, [&](const Band& band) {
+      const Vector2 middle(0.5 * eye.resolution.width, band.middle_y_px);
+      paint({.eye = &eye, .X_WE = X_WE_at(light_seconds(eye, timing, lens, middle)), .rows = band.rows}, style);
+    });
+  }
+  target.read_rgba(result);
+}
+
+}  // namespace swimlab

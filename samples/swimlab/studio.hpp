@@ -1,0 +1,65 @@
+/// Draws the experiment's pictures off screen: the registration scene, and a model if wanted, as an eye sees it.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <tuple>
+
+#include <holdfast/io/image.hpp>
+#include <holdfast/rendering/lens_pass.hpp>
+#include <holdfast/rendering/make_context.hpp>
+#include <holdfast/rendering/registration_scene.hpp>
+#include <holdfast/rendering/render_target.hpp>
+#include <holdfast/scene/model_painter.hpp>
+#include <holdfast/timing/display_timing.hpp>
+
+namespace swimlab {
+
+/// Samples a pixel: flat shapes have exact edges with one; the frame corner and models want the most there is.
+enum class Smooth { no, yes };
+
+class Studio {
+ public:
+  /// `model` empty: none. Throws RenderingError without OpenGL, io::InputError for a model that cannot be read.
+  Studio(std::optional<holdfast::rendering::Backend> backend, const holdfast::RegistrationScene& scene,
+         const std::filesystem::path& model);
+
+  [[nodiscard]] const holdfast::rendering::ContextInfo& info() const { return context_->info(); }
+  [[nodiscard]] const std::string& model_name() const { return model_name_; }
+
+  /// What the headset shows the eye: drawn for X_WE, seen through the lens as the application corrects it.
+  void draw_virtual(const holdfast::EyeModel& eye, holdfast::LensMode lens, const holdfast::Rigid& X_WE,
+                    const holdfast::rendering::SceneStyle& style, Smooth smooth, holdfast::io::Image& result);
+
+  /// The world: under a rolling scan-out row by row (in bands of about 8 rows) as it is when the row is lit. `X_WE_at`
+  /// takes seconds from the middle of scan-out.
+  void draw_real(const holdfast::EyeModel& eye, holdfast::LensMode lens, const holdfast::DisplayTiming& timing,
+                 const std::function<holdfast::Rigid(double)>& X_WE_at, const holdfast::rendering::SceneStyle& style,
+                 Smooth smooth, holdfast::io::Image& result, int bands = 90);
+
+  /// Time spent in drawing and reading back since the start, and the number of pictures.
+  [[nodiscard]] double draw_readback_ms() const { return draw_readback_ms_; }
+  [[nodiscard]] std::size_t pictures() const { return pictures_; }
+
+ private:
+  void paint(const holdfast::rendering::View& view, const holdfast::rendering::SceneStyle& style);
+  holdfast::rendering::RenderTarget& target_of(holdfast::PixelSize size, int samples, bool is_result = false);
+  holdfast::rendering::WarpTable& table_of(const holdfast::EyeModel& eye, holdfast::LensMode lens);
+
+  std::unique_ptr<holdfast::rendering::Context> context_;
+  holdfast::rendering::RegistrationScenePainter scene_;
+  holdfast::rendering::WarpPass warp_;
+  std::optional<holdfast::scene::ModelPainter> model_;
+  holdfast::Vqs T_WM_;
+  std::string model_name_;
+  std::map<std::tuple<int, int, int, bool>, std::unique_ptr<holdfast::rendering::RenderTarget>> targets_;
+  std::map<std::tuple<holdfast::EyeSide, holdfast::LensMode, int, int>, holdfast::rendering::WarpTable> tables_;
+  double draw_readback_ms_ = 0.0;
+  std::size_t pictures_ = 0;
+};
+
+}  // namespace swimlab

@@ -83,7 +83,7 @@ int main() {
   std::printf(
       "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 660 610' font-family='sans-serif' font-size='13'>\n");
   std::printf("<rect width='660' height='610' fill='white'/>\n");
-  draw({50, 140, 4.0, "Where the head looks, and where the picture was drawn for (deg)", {-3, 0, 3}},
+  draw({58, 132, 4.0, "Where the head looks, and where the picture was drawn for (deg)", {-3, 0, 3}},
        {truth, held.yaw, predicted.yaw});
   draw({240, 140, 60.0, "Error of the disc at 2 m: virtual less real (px)", {-50, -25, 0, 25, 50}},
        {held.error, predicted.error});

@@ -137,6 +137,7 @@ void add_scan_skew(std::vector<Check>& checks, Studio& studio, const Registratio
   ExperimentSettings settings = settings_of("M3", Pipeline::p0, 60);
   settings.hmd.timing.scan_out = ScanOut::rolling;
   settings.hmd.timing.scan_duration = std::chrono::microseconds(11100);
+  settings.hmd.left.X_HE = Rigid();  // the figure is for a turn about the eye; half an IPD aside adds up to 0.2 arcmin
   const EyeModel& eye = settings.hmd.eye(settings.eye);
   std::optional<FrameRecord> frame;
   double nearest = 1e9;

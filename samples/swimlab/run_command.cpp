@@ -297,6 +297,7 @@ int run(const RunOptions& options) {
   const bool rows_hold =
       std::none_of(rows.begin(), rows.end(), [](const auto& r) { return r.verdict == Verdict::fail; });
   const bool checks_hold = std::all_of(checks.begin(), checks.end(), [](const auto& c) { return c.holds(); });
+  std::fflush(stdout);
   if (rows_hold && checks_hold) return done;
   std::fprintf(stderr, "swimlab: something is not as theory demands; see FAIL above\n");
   return check_failed;

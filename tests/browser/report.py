@@ -1,0 +1,102 @@
+"""Opens a report of swimlab in headless Chromium, at desktop and phone width: no console errors, charts drawn, hovering
+reads values, dragging zooms, pictures enlarge, nothing wider than the page. Exit code 77 without Chromium."""
+
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import webdriver  # noqa: E402
+
+CHARTS = """
+return [...document.querySelectorAll('.chart')].map((box) => {
+  const canvas = box.querySelector('.plot canvas'), pixels = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+  let drawn = 0;
+  for (let i = 3; i < pixels.length; i += 4) drawn += pixels[i] > 0;
+  return {id: box.id, drawn, labels: box.querySelectorAll('.dygraph-axis-label').length,
+          titles: box.querySelectorAll('.dygraph-label').length};
+});"""
+
+# Whatever reaches beyond the page's right edge and is not inside a box of its own that scrolls.
+OVERFLOW = """
+const wide = document.documentElement.clientWidth, found = [];
+if (document.documentElement.scrollWidth > wide) found.push('page ' + document.documentElement.scrollWidth);
+for (const e of document.querySelectorAll('main *')) {
+  if (e.closest('.scroll') && !e.matches('.scroll')) continue;
+  const r = e.getBoundingClientRect();
+  if (r.width > 0 && (r.right > wide + 1 || r.left < -1)) found.push(e.tagName + '.' + e.className + ' ' + Math.round(r.right));
+}
+return found.slice(0, 8);"""
+
+
+def expect(condition, message):
+    if not condition:
+        raise AssertionError(message)
+
+
+def errors_in(page):
+    return [entry["message"] for entry in page.console() if entry["level"] in ("SEVERE", "WARNING")]
+
+
+def check_layout(page, name):
+    expect(page.wait("return document.documentElement.dataset.ready === 'true'"), f"{name}: the script did not finish: {page.console()}")
+    charts = page.run(CHARTS)
+    expect(len(charts) >= 5, f"{name}: charts are missing: {charts}")
+    for chart in charts:
+        expect(chart["drawn"] > 200, f"{name}: nothing is drawn in {chart}")
+        expect(chart["labels"] >= 4 and chart["titles"] == 2, f"{name}: axis without labels: {chart}")
+    pictures = page.run("return [...document.images].filter((i) => !(i.complete && i.naturalWidth > 0)).length")
+    expect(pictures == 0, f"{name}: {pictures} pictures did not load")
+    overflow = page.run(OVERFLOW)
+    expect(not overflow, f"{name}: wider than the page: {overflow}")
+
+
+def check_mouse(page):
+    place = page.run("""const plot = document.querySelector('.chart .plot'); plot.scrollIntoView({block: 'center'});
+        const r = plot.getBoundingClientRect(); return {left: r.left, right: r.right, y: (r.top + r.bottom) / 2};""")
+    legend = "return document.querySelector('.chart .legend').textContent"
+    before = page.run(legend)
+    width = place["right"] - place["left"]
+    page.hover(place["left"] + 0.6 * width, place["y"])
+    hovered = page.run(legend)
+    expect(hovered != before and any(c.isdigit() for c in hovered), f"hovering does not read values: {before!r}, {hovered!r}")
+    hidden = "return document.querySelector('.chart header button').hidden"
+    expect(page.run(hidden), "the zoom button is there before zooming")
+    page.drag(place["left"] + 0.4 * width, place["left"] + 0.7 * width, place["y"])
+    expect(not page.run(hidden), "dragging does not zoom")
+    page.run("document.querySelector('.chart header button').click()")
+    tabs = page.run("return document.querySelectorAll('.tabs button').length")
+    expect(tabs == 2, f"two motions make two tabs, not {tabs}")
+    page.run("document.querySelectorAll('.tabs button')[1].click()")
+    expect(len(page.run(CHARTS)) >= 5, "the second motion's charts are missing")
+    page.run("document.querySelector('.sheet .picture').click()")
+    expect(page.run("return document.getElementById('lightbox').open"), "a picture does not enlarge")
+    page.run("document.querySelector('#lightbox button').click()")
+
+
+def main():
+    if not webdriver.CHROMIUM or not webdriver.CHROMEDRIVER:
+        print("skipped: chromium or chromedriver is not installed")
+        return 77
+    with tempfile.TemporaryDirectory(prefix="holdfast-browser-") as scratch:
+        report = pathlib.Path(scratch) / "report"
+        subprocess.run([sys.argv[1], "run", "--motion", "M1,M7", "--lens", "none", "--size", "640x360", "--out", report],
+                       check=True, stdout=subprocess.DEVNULL)
+        url = (report / "report.html").as_uri()
+        for name, width, height, phone, dark in [("desktop", 1280, 900, False, False), ("phone", 390, 844, True, False),
+                                                 ("dark", 1280, 900, False, True)]:
+            with webdriver.Browser(width, height, phone, dark) as page:
+                page.open(url)
+                check_layout(page, name)
+                if name == "desktop":
+                    check_mouse(page)
+                errors = errors_in(page)
+                expect(not errors, f"{name}: the console says {errors}")
+                print(name, "ok")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,244 @@
+"""Tests the command from outside: exit codes and messages of bad use, files whole or absent, JSON as the contract says."""
+
+import csv
+import json
+import math
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+SWIMLAB = None
+RECORDINGS = None
+
+
+def swimlab(*arguments, cwd=None):
+    return subprocess.run([SWIMLAB, *map(str, arguments)], capture_output=True, text=True, cwd=cwd, timeout=600)
+
+
+def strict_json(text):
+    """JSON as the standard has it: no NaN, no Infinity."""
+    def refuse(name):
+        raise ValueError("not finite: " + name)
+    return json.loads(text, parse_constant=refuse)
+
+
+def quaternion(ax, ay, az):
+    """Unit quaternion (x, y, z, w) of the rotation vector (rad)."""
+    angle = math.sqrt(ax * ax + ay * ay + az * az)
+    if angle < 1e-12:
+        return 0.0, 0.0, 0.0, 1.0
+    s = math.sin(angle / 2) / angle
+    return ax * s, ay * s, az * s, math.cos(angle / 2)
+
+
+def write_motion(path, shift_s=0.0, rate_hz=120.0, seconds=12.0):
+    """A smooth head motion about several axes, sampled at `rate_hz`, shown `shift_s` late."""
+    lines = []
+    for i in range(int(seconds * rate_hz)):
+        t = i / rate_hz
+        m = t - shift_s
+        q = quaternion(0.15 * math.sin(2.1 * m), 0.26 * math.sin(2 * math.pi * m), 0.08 * math.sin(3.3 * m + 1))
+        p = (0.1 * math.sin(1.7 * m), 1.6 + 0.03 * math.sin(2.9 * m), 0.08 * math.cos(1.3 * m))
+        lines.append("%.9f %.12g %.12g %.12g %.12g %.12g %.12g %.12g" % (100 + t, *p, *q))
+    path.write_text("\n".join(lines) + "\n")
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        self.scratch = tempfile.TemporaryDirectory(prefix="holdfast-swimlab-")
+        self.dir = pathlib.Path(self.scratch.name)
+
+    def tearDown(self):
+        self.scratch.cleanup()
+
+    def refused(self, arguments, *words):
+        """Exit code 2, a message with all the words on standard error, nothing left on disk."""
+        before = sorted(self.dir.rglob("*"))
+        answer = swimlab(*arguments, cwd=self.dir)
+        self.assertEqual(answer.returncode, 2, answer.stderr + answer.stdout)
+        for word in words:
+            self.assertIn(word, answer.stderr)
+        self.assertEqual(sorted(self.dir.rglob("*")), before, "something was left behind")
+
+
+class BadUse(Case):
+    def test_options_are_named_with_value_and_expectation(self):
+        for option, value, expected in [
+                ("--latency-ms", "-5", "0 to 1000"), ("--latency-ms", "nan", "0 to 1000"), ("--latency-ms", "1e9", "0 to 1000"),
+                ("--latency-ms", "soon", "milliseconds"), ("--size", "0x0", "1280x720"), ("--size", "1280", "1280x720"),
+                ("--size", "-3x4", "1280x720"), ("--eye", "middle", "left, right, both"), ("--lens", "thick", "uncorrected"),
+                ("--display", "sideways", "global, rolling"), ("--pipeline", "P9", "P0"), ("--seed", "-1", "whole number"),
+                ("--backend", "glide", "osmesa"), ("--late-ms", "-1", "0 to 1000")]:
+            with self.subTest(option=option, value=value):
+                self.refused(["run", f"{option}={value}", "--out", "r"], option, value, expected)
+
+    def test_later_pipelines_are_not_available_yet(self):
+        for pipeline in ["P2", "P3", "P4", "P5", "P6"]:
+            self.refused(["run", "--pipeline", "P0," + pipeline, "--out", "r"], "--pipeline", pipeline, "not available yet")
+
+    def test_unknown_motion_lists_the_known_and_says_no_file(self):
+        self.refused(["run", "--motion", "M77", "--out", "r"], "M77", "M0", "M8", "file")
+
+    def test_unreadable_files_are_named(self):
+        (self.dir / "bad.tum").write_text("0 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n2 0 oops 0 0 0 0 1\n")
+        (self.dir / "bad.json").write_text('{"schema": "holdfast/hmd/1"')
+        self.refused(["run", "--motion", "bad.tum", "--out", "r"], "bad.tum:3", "oops", "a number")
+        self.refused(["predict", "bad.tum"], "bad.tum:3", "oops")
+        self.refused(["latency", "bad.tum", "bad.tum"], "bad.tum:3", "oops")
+        self.refused(["predict", "nothing.tum"], "nothing.tum")
+        self.refused(["run", "--hmd", "bad.json", "--out", "r"], "bad.json")
+        self.refused(["run", "--model", "bad.tum", "--out", "r"], "bad.tum")
+
+    def test_too_short_a_motion(self):
+        (self.dir / "short.tum").write_text("0 0 0 0 0 0 0 1\n0.1 0 0 0 0 0 0 1\n")
+        self.refused(["run", "--motion", "short.tum", "--out", "r"], "short.tum", "too short")
+        self.refused(["latency", "short.tum", "short.tum"], "20 samples")
+
+    def test_no_subcommand_and_unknown_options(self):
+        self.refused([], "subcommand")
+        self.refused(["run", "--colour", "red"], "--colour")
+        self.refused(["latency", "one.tum"], "OBSERVED")
+        self.refused(["fly"], "fly")
+
+    def test_a_folder_of_others_is_left_alone(self):
+        other = self.dir / "mine"
+        other.mkdir()
+        (other / "thesis.txt").write_text("years of work")
+        self.refused(["run", "--motion", "M0", "--out", "mine"], "--out", "thesis.txt")
+        (self.dir / "file").write_text("x")
+        self.refused(["run", "--motion", "M0", "--out", "file"], "--out", "is a file")
+        self.assertEqual((other / "thesis.txt").read_text(), "years of work")
+
+    def test_help_has_an_example(self):
+        for command in ["run", "predict", "latency"]:
+            answer = swimlab(command, "--help")
+            self.assertEqual(answer.returncode, 0)
+            self.assertIn("Example", answer.stdout)
+            self.assertIn("swimlab " + command, answer.stdout)
+
+
+class Run(Case):
+    def test_contract_files_and_checks(self):
+        answer = swimlab("run", "--motion", "M1,M0", "--size", "640x360", "--latency-ms", "60", "--out", "r", "--json",
+                         "copy.json", cwd=self.dir)
+        self.assertEqual(answer.returncode, 0, answer.stdout + answer.stderr)
+        self.assertNotIn("\r", answer.stderr)  # no progress bar into a pipe
+        summary = strict_json((self.dir / "r/summary.json").read_text())
+        self.assertEqual(summary, strict_json((self.dir / "copy.json").read_text()))
+        self.assertEqual(summary["schema"], "holdfast/run/1")
+        self.assertEqual(summary["seed"], 1)
+        for key in ["backend", "gl_version", "gl_renderer"]:
+            self.assertTrue(summary["environment"][key])
+        self.assertEqual(len(summary["rows"]), 2 * 2 * 2)  # motions, lenses none and exact, pipelines
+        for row in summary["rows"]:
+            self.check_row(row)
+        self.assertEqual({check["value"] for check in summary["checks"]}, {1, 2, 4, 5, 6, 9})
+        for check in summary["checks"]:
+            self.assertEqual(check["verdict"], "pass", check)
+            for key in ["what", "expected", "measured", "tolerance", "unit"]:
+                self.assertIn(key, check)
+        self.assertGreater(summary["timing"]["ratio"], 1.0)
+        with open(self.dir / "r/rows.csv", newline="") as file:
+            lines = list(csv.DictReader(file))
+        self.assertEqual(len(lines), len(summary["rows"]))
+        self.assertAlmostEqual(float(lines[0]["registration.rms_px"]), summary["rows"][0]["registration"]["rms_px"])
+        page = (self.dir / "r/report.html").read_text()
+        self.assertNotIn("{{", page[:2000])
+        for outside in ['src="http', 'href="http', "@import", "url(http"]:
+            self.assertNotIn(outside, page)
+        self.assertTrue(list((self.dir / "r/pictures").glob("M1_P0_left_none_60ms_global*.png")))
+        self.assertEqual([p.name for p in self.dir.glob("*unfinished*")], [])
+        # The same again: replaced as a whole, and the same numbers.
+        again = swimlab("run", "--motion", "M1,M0", "--size", "640x360", "--out", "r", cwd=self.dir)
+        self.assertEqual(again.returncode, 0, again.stderr)
+        self.assertEqual(strict_json((self.dir / "r/summary.json").read_text())["rows"], summary["rows"])
+
+    def check_row(self, row):
+        for key in ["motion", "pipeline", "eye", "lens", "latency_ms", "display", "frames", "registration", "swim",
+                    "effective_latency_ms", "jitter_arcmin", "overshoot_arcmin", "coverage_missing_pct",
+                    "disocclusion_pct", "picture_vs_theory_px", "expected", "verdict"]:
+            self.assertIn(key, row)
+        for key in ["rms_px", "mean_px", "p95_px", "peak_px", "rms_arcmin", "peak_arcmin", "rms_mm"]:
+            self.assertIsInstance(row["registration"][key], (int, float))
+        for key in ["rms_deg_s", "peak_deg_s"]:
+            self.assertIsInstance(row["swim"][key], (int, float))
+        self.assertIn(row["verdict"], ["pass", "warn", "fail", "none"])
+        self.assertLess(row["picture_vs_theory_px"], 0.05)  # small discs: radius 9 px here
+        if row["motion"] == "M1" and row["pipeline"] == "P0":
+            self.assertAlmostEqual(row["effective_latency_ms"], 60.0, delta=0.1)
+            self.assertAlmostEqual(row["pose"]["peak_yaw_arcmin"], 132.5, delta=0.4)
+        if row["motion"] == "M0":
+            self.assertLess(row["registration"]["peak_px"], 1e-6)
+
+
+class Predict(Case):
+    def test_contract(self):
+        write_motion(self.dir / "m.tum")
+        answer = swimlab("predict", "m.tum", "--interval-ms", "60", "--json", "p.json", cwd=self.dir)
+        self.assertEqual(answer.returncode, 0, answer.stderr)
+        result = strict_json((self.dir / "p.json").read_text())
+        self.assertEqual(result["schema"], "holdfast/predict/1")
+        self.assertEqual(result["interval_ms"], 60)
+        self.assertEqual([row["predictor"] for row in result["rows"]], ["none", "constant_velocity"])
+        for row in result["rows"]:
+            for key in ["angle_deg", "position_mm", "screen_px"]:
+                self.assertLessEqual(row[key]["mean"], row[key]["p95"])
+                self.assertLessEqual(row[key]["p95"], row[key]["peak"])
+        none, velocity = result["rows"]
+        # Mostly a yaw of 15 deg at 1 Hz: 2 sin(x/2) and about x^2/2 of the amplitude, x = 0.377.
+        self.assertAlmostEqual(none["angle_deg"]["peak"], 15 * 2 * math.sin(0.1885), delta=0.8)
+        self.assertLess(velocity["angle_deg"]["mean"], 0.35 * none["angle_deg"]["mean"])
+        self.assertIn("kalman_inertial", result["not_available_yet"])
+
+    def test_inertial_is_not_available_yet(self):
+        write_motion(self.dir / "m.tum")
+        (self.dir / "i.csv").write_text("t,wx\n")
+        self.refused(["predict", "m.tum", "--imu", "i.csv"], "--imu", "not available yet")
+
+    def test_head_recording_is_no_worse_than_a_plain_script(self):
+        recording = pathlib.Path(RECORDINGS) / "head/optitrack_head_120hz.tum"
+        if not recording.exists():
+            self.skipTest("recordings are not here")
+        answer = swimlab("predict", recording, "--interval-ms", "58.3", "--json", "p.json", cwd=self.dir)
+        self.assertEqual(answer.returncode, 0, answer.stderr)
+        none, velocity = strict_json((self.dir / "p.json").read_text())["rows"]
+        # The README of the recordings prints 1.12 and 0.33 deg, rounded.
+        self.assertLess(none["angle_deg"]["mean"], 1.125)
+        self.assertLess(velocity["angle_deg"]["mean"], 0.335)
+
+
+class Latency(Case):
+    def test_a_shift_of_37_3_ms(self):
+        write_motion(self.dir / "truth.tum")
+        write_motion(self.dir / "late.tum", shift_s=0.0373, rate_hz=90.0)
+        answer = swimlab("latency", "truth.tum", "late.tum", "--json", "l.json", cwd=self.dir)
+        self.assertEqual(answer.returncode, 0, answer.stderr)
+        self.assertIn("rigid transform", answer.stdout)
+        result = strict_json((self.dir / "l.json").read_text())
+        self.assertEqual(result["schema"], "holdfast/latency/1")
+        self.assertAlmostEqual(result["effective_latency_ms"], 37.3, delta=0.1)
+        self.assertLess(result["uncertainty_ms"], 0.1)
+        self.assertTrue(result["frames_aligned"])
+        for key in ["rms", "p95", "peak"]:
+            self.assertLess(result["angle_deg"][key], 0.01)
+            self.assertLess(result["position_mm"][key], 0.1)
+
+    def test_real_headset_against_the_robot_that_moved_it(self):
+        head = pathlib.Path(RECORDINGS) / "head"
+        if not (head / "quest2_traj1_headset_72hz.tum").exists():
+            self.skipTest("recordings are not here")
+        answer = swimlab("latency", head / "quest2_traj1_robot_truth_30hz.tum", head / "quest2_traj1_headset_72hz.tum",
+                         "--json", "l.json", cwd=self.dir)
+        self.assertEqual(answer.returncode, 0, answer.stderr)
+        result = strict_json((self.dir / "l.json").read_text())
+        self.assertLess(result["position_mm"]["rms"], 4.0)  # the recordings' README: 2.3 mm after alignment
+        self.assertLess(result["uncertainty_ms"], 5.0)
+
+
+if __name__ == "__main__":
+    SWIMLAB = os.path.abspath(sys.argv[1])
+    RECORDINGS = sys.argv[2] if len(sys.argv) > 2 else ""
+    unittest.main(argv=[sys.argv[0]], verbosity=2)

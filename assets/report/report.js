@@ -34,6 +34,18 @@ function number(value, unit) {
   return (text.replace(/^-(?=.*[1-9])/, "\u2212").replace(/^-/, "")) + (unit ? "\u00a0" + unit : "");
 }
 
+/** Four significant digits, for numbers that are to be compared. */
+function precise(value, unit) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return "\u2013";
+  const size = Math.abs(value);
+  const text = size !== 0 && (size < 0.001 || size >= 1e6) ? value.toExponential(1) : String(+value.toPrecision(4));
+  return text.replace("-", "\u2212") + (unit ? "\u00a0" + unit : "");
+}
+const tick = (value) => String(+value.toPrecision(4)).replace("-", "\u2212");
+/** ASCII of names and units as a page writes it. */
+const typeset = (text) => text.replaceAll("+-", "\u00b1").replaceAll(" deg/s", "\u00b0/s").replaceAll(" deg", "\u00b0");
+const unitSign = (unit) => ({ "deg/s": "\u00b0/s", deg: "\u00b0" }[unit] || unit);
+
 const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const seriesColor = (style) => color(seriesColors[style] || "--ink");
 const pipelineTitle = (id) => (pipelineNames[id] ? `${id}, ${pipelineNames[id]}` : id);
@@ -90,8 +102,8 @@ function chartOptions(chart, legend, reset) {
     xRangePad: 4,
     yRangePad: 6,
     axes: {
-      x: { logscale: Boolean(chart.x.log), axisLabelFormatter: (v) => number(v).replace(/\.?0+$/, (m) => (m[0] === "." ? "" : m)), pixelsPerLabel: 64 },
-      y: { axisLabelWidth: 48, axisLabelFormatter: (v) => number(v).replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "") },
+      x: { logscale: Boolean(chart.x.log), axisLabelFormatter: tick, pixelsPerLabel: 64 },
+      y: { axisLabelWidth: 48, axisLabelFormatter: tick },
     },
     series: Object.fromEntries(chart.series.map((s) => [s.name, {
       color: seriesColor(s.style),
@@ -186,10 +198,10 @@ function enlarge(picture, alt, caption) {
 }
 
 function contactSheet(sheet, parent) {
-  const head = el("tr", {}, el("th"), ...sheet.times_s.map((t) => el("th", {}, number(t, "s"))));
+  const head = el("tr", {}, el("th"), ...sheet.times_s.map((t) => el("th", {}, tick(t) + "\u00a0s")));
   const body = sheet.rows.map((row) => el("tr", {}, el("th", { scope: "row" }, row.label, el("span", {}, row.note || "")),
-    ...row.pictures.map((picture, i) => el("td", {}, pictureButton(picture, `${row.label} at ${number(sheet.times_s[i], "s")}`,
-      `${row.label}${row.note ? ", " + row.note : ""}, ${number(sheet.times_s[i], "s")}. ${picture.caption || ""}`)))));
+    ...row.pictures.map((picture, i) => el("td", {}, pictureButton(picture, `${row.label} at ${tick(sheet.times_s[i]) + " s"}`,
+      `${row.label}${row.note ? ", " + row.note : ""}, ${tick(sheet.times_s[i]) + " s"}. ${picture.caption || ""}`)))));
   parent.append(el("div.scroll.sheet", { tabindex: "0", role: "region", "aria-label": "Contact sheet" },
     el("table", {}, el("thead", {}, head), el("tbody", {}, ...body))),
     el("p.note", {}, sheet.caption));
@@ -203,7 +215,8 @@ function row(pipeline, motion) {
     r.latency_ms === head.latency_ms && r.lens === head.lens && r.eye === head.eye && r.display === head.display);
 }
 
-function angle(arcmin) { return arcmin >= 60 ? number(arcmin / 60, "\u00b0") .replace("\u00a0\u00b0", "\u00b0") : number(arcmin, "arcmin"); }
+/** Degrees from a tenth of one up; the number and its unit never part. */
+function angle(arcmin) { return arcmin >= 6 ? number(arcmin / 60) + "\u00b0" : number(arcmin, "arcmin"); }
 
 /** "cuts it to 12 arcmin, 11 times less", or "makes it larger: ..." */
 function comparison(before, after) {
@@ -220,12 +233,12 @@ function introduction() {
   page.append(el("p.eyebrow", {}, "Holdfast \u00b7 swim report"));
   if (!first) return;
   const peak = first.registration.peak_arcmin;
-  page.append(el("h1", {}, still ? `At ${number(head.latency_ms).replace(/\.0+$/, "")} ms, the virtual world slips by up to ${angle(peak)}` : `Swim of ${first.pipeline} at ${number(head.latency_ms)} ms`));
+  page.append(el("h1", {}, still ? `At ${tick(head.latency_ms)} ms, the virtual world slips by up to ${angle(peak)}` : `Swim of ${first.pipeline} at ${tick(head.latency_ms)} ms`));
   page.append(el("p.lead", {}, "A see-through headset draws virtual things over the real room. When you move your head, they must move the other way in the picture, " +
     "or they will not stay put. But every picture is a little late: it was drawn for where the head was a moment ago. So virtual things slide over the real ones while you move, " +
     "and slip back when you stop. That sliding is called ", el("strong", {}, "swim"), "."));
-  page.append(el("p", {}, "How large it is here: in ", el("strong", {}, head.motion_title), ` the head turns at up to ${number(head.peak_head_deg_s, "\u00b0/s")}. At ` +
-    `${number(head.latency_ms).replace(/\.0+$/, "")} ms of latency ${still ? "and no prediction (P0) " : ""}the virtual world stands up to `,
+  page.append(el("p", {}, "How large it is here: in ", el("strong", {}, typeset(head.motion_title)), ` the head turns at up to ${number(head.peak_head_deg_s, "\u00b0/s")}. At ` +
+    `${tick(head.latency_ms)} ms of latency ${still ? "and no prediction (P0) " : ""}the virtual world stands up to `,
     el("strong", {}, angle(peak)), ` away from where it belongs (${number(first.registration.peak_px, "px")} in the picture) and slides at up to `,
     el("strong", {}, number(first.swim.peak_deg_s, "\u00b0/s")), ". The width of your thumb at arm's length is about 2\u00b0."));
   const change = still && predicted ? comparison(still, predicted) : null;
@@ -233,10 +246,10 @@ function introduction() {
   const cards = el("div.cards");
   for (const r of [still, predicted].filter(Boolean)) {
     const mark = el("i.dot"); mark.style.color = seriesColor(r.pipeline);
-    cards.append(el("div.card", {}, el("header", {}, mark, el("strong", {}, pipelineTitle(r.pipeline)), el("span", {}, `${r.motion}, ${number(r.latency_ms).replace(/\.0+$/, "")} ms`)),
+    cards.append(el("div.card", {}, el("header", {}, mark, el("strong", {}, pipelineTitle(r.pipeline)), el("span", {}, `${r.motion}, ${tick(r.latency_ms)} ms`)),
       el("dl.figures", {}, ...[["largest error", angle(r.registration.peak_arcmin), number(r.registration.peak_px, "px")],
         ["fastest swim", number(r.swim.peak_deg_s, "\u00b0/s"), "RMS " + number(r.swim.rms_deg_s, "\u00b0/s")],
-        ["effective latency", number(r.effective_latency_ms, "ms"), `of ${number(r.latency_ms).replace(/\.0+$/, "")} ms injected`]]
+        ["effective latency", number(r.effective_latency_ms, "ms"), `of ${tick(r.latency_ms)} ms injected`]]
         .map(([name, value, more]) => el("div", {}, el("dt", {}, name), el("dd", {}, value, el("small", {}, more)))))));
   }
   page.append(cards);
@@ -265,9 +278,9 @@ function checks() {
   node.append(table([
     { name: "Value", text: true, value: (c) => String(c.value) },
     { name: "What", text: true, wrap: true, value: (c) => c.what },
-    { name: "Expected", value: (c) => (c.comparison === "at_most" ? "\u2264 " : "") + number(c.expected, c.unit) },
-    { name: "Measured", value: (c) => number(c.measured, c.unit) },
-    { name: "Tolerance", value: (c) => (c.comparison === "at_most" ? "\u2013" : "\u00b1" + number(c.tolerance, c.unit)) },
+    { name: "Expected", value: (c) => (c.comparison === "at_most" ? "\u2264 " : "") + precise(c.expected, unitSign(c.unit)) },
+    { name: "Measured", value: (c) => precise(c.measured, unitSign(c.unit)) },
+    { name: "Tolerance", value: (c) => (c.comparison === "at_most" ? "\u2013" : "\u00b1" + number(c.tolerance, unitSign(c.unit))) },
     { name: "Verdict", text: true, value: (c) => verdict(c.verdict) },
   ], summary.checks, "Values that theory demands"));
 }
@@ -295,7 +308,7 @@ function motions() {
     }
   };
   for (const id of ids) {
-    tabs.append(el("button", { type: "button", role: "tab", "data-id": id, "aria-selected": "false", onclick: () => show(id) }, data.motions[id].tab));
+    tabs.append(el("button", { type: "button", role: "tab", "data-id": id, "aria-selected": "false", onclick: () => show(id) }, typeset(data.motions[id].tab)));
   }
   node.append(tabs, panel);
   show(data.headline.motion in data.motions ? data.headline.motion : ids[0]);
@@ -303,7 +316,7 @@ function motions() {
 
 function sweeps() {
   if (!data.sweeps || !data.sweeps.length) return;
-  const node = section("How it grows with latency", el("p", {}, "Computed analytically, without pictures, by the same code that made the rows above."));
+  const node = section("Slow and fast movements", el("p", {}, "The same pipelines and latency, for small turns of the head of every frequency. Slow movements are shown faithfully; fast ones come late, and prediction exaggerates them."));
   const grid = el("div.charts.two");
   node.append(grid);
   for (const chart of data.sweeps) drawChart(chart, grid);
@@ -312,7 +325,7 @@ function sweeps() {
 function expectedText(r) {
   if (!r.expected) return "\u2013";
   return Object.entries(r.expected).map(([key, v]) => `${key.replace(/^pose\.|^registration\./, "").replace(/_(px|arcmin|deg_s|ms|mm|deg)$/, "").replaceAll("_", " ")} ` +
-    `${number(v.measured)} / ${number(v.expected, unitOf(key))}`).join("; ");
+    `${precise(v.measured)} / ${precise(v.expected, unitOf(key))}`).join("; ");
 }
 function unitOf(key) {
   const found = key.match(/_(px|arcmin|deg_s|ms|mm|deg)$/);
@@ -372,9 +385,9 @@ function making() {
 }
 
 introduction();
-checks();
 motions();
 sweeps();
+checks();
 results();
 glossary();
 making();

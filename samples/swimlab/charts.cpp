@@ -8,9 +8,10 @@
 #include <Eigen/Cholesky>
 
 #include <holdfast/motion/generators.hpp>
+#include <holdfast/prediction/predictor_theory.hpp>
+#include <holdfast/registration/error_budget.hpp>
 #include <holdfast/registration/experiment.hpp>
 #include <holdfast/registration/pipeline_pose.hpp>
-#include <holdfast/prediction/predictor_theory.hpp>
 
 namespace swimlab {
 
@@ -148,6 +149,46 @@ ResultJson latency_chart(const Motion& motion, const ExperimentSettings& setting
   return json;
 }
 
+ResultJson budget_chart(const Motion& motion, const ExperimentSettings& settings, const RegistrationScene& scene) {
+  ResultJson json;
+  json["id"] = "budget";
+  json["title"] = "Error budget";
+  json["caption"] =
+      "What each source of error does when it acts alone, without prediction, stacked (root mean squares). A third of "
+      "the "
+      "latency is the tracker's, the rest graphics and display; static is a tracker 2 mm off; lines scan out over 11.1 "
+      "ms; the "
+      "lens is corrected by the cubic of the course; viewing is an eye distance believed 2 mm too large.";
+  json["x"] = axis("latency", "ms");
+  json["y"] = axis("error", "arcmin");
+  json["stacked"] = true;
+  json["series"] = ResultJson::array();
+  json["rows"] = ResultJson::array();
+  constexpr const char* styles[] = {"c", "a", "b", "d", "e", "f"};
+  for (int latency_ms = 0; latency_ms <= 100; latency_ms += 20) {
+    BudgetSettings budget_settings;
+    budget_settings.experiment = settings;
+    budget_settings.experiment.pipeline = Pipeline::p0;
+    budget_settings.experiment.lens = LensMode::cubic;
+    DisplayTiming& timing = budget_settings.experiment.hmd.timing;
+    timing.scan_out = ScanOut::rolling;
+    timing.scan_duration = std::min<Duration>(std::chrono::microseconds(11100), frame_period(timing));
+    budget_settings.experiment.frames = 120;
+    budget_settings.tracker_delay = from_milliseconds(latency_ms / 3.0);
+    budget_settings.graphics_delay = from_milliseconds(latency_ms * 2.0 / 3.0);
+    const RegistrationBudget budget = registration_budget(motion, budget_settings, scene);
+    ResultJson row = {latency_ms};
+    for (std::size_t i = 0; i < budget.parts.size(); ++i) {
+      row.push_back(rounded(budget.parts[i].rms_arcmin));
+      if (latency_ms > 0) continue;
+      json["series"].push_back(
+          {{"name", budget.parts[i].source}, {"style", styles[i % std::size(styles)]}, {"area", true}});
+    }
+    json["rows"].push_back(std::move(row));
+  }
+  return json;
+}
+
 std::vector<ResultJson> frequency_charts(const ExperimentSettings& settings, std::span<const Pipeline> pipelines) {
   const double interval_s = to_seconds(settings.latency);
   ResultJson gain, lag;
@@ -185,7 +226,8 @@ std::vector<ResultJson> frequency_charts(const ExperimentSettings& settings, std
       ExperimentSettings at = settings;
       at.pipeline = pipeline;
       const theory::Order order = pipeline == Pipeline::p0 ? theory::Order::none : theory::Order::constant_velocity;
-      const double phase_theory = std::arg(theory::response(order, hz, interval_s)) - 2.0 * std::numbers::pi * hz * interval_s;
+      const double phase_theory =
+          std::arg(theory::response(order, hz, interval_s)) - 2.0 * std::numbers::pi * hz * interval_s;
       const bool shown = i % 2 == 0;
       Phasor phasor;
       if (shown) phasor = measured_response(at, hz);

@@ -35,6 +35,11 @@ struct TimeSeries {
                                                                      std::span<const holdfast::Pipeline> pipelines);
 
 /// Error of each source alone, stacked, against latency.
+[[nodiscard]] holdfast::io::ResultJson budget_chart(const holdfast::Motion& motion,
+                                                    const holdfast::ExperimentSettings& settings,
+                                                    const holdfast::RegistrationScene& scene);
+
+/// Name and style of a pipeline's line.
 [[nodiscard]] holdfast::io::ResultJson pipeline_series(holdfast::Pipeline pipeline);
 
 }  // namespace swimlab

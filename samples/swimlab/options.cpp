@@ -133,7 +133,7 @@ void add_json(CLI::App& command, std::string& json) {
 }
 
 CLI::Option* add_words(CLI::App& command, const std::string& name, Words& words, const std::string& help) {
-  return command.add_option(name, words, help)->delimiter(',')->type_name("WORD,...")->expected(1);
+  return command.add_option(name, words, help)->delimiter(',')->type_name("WORD,...")->allow_extra_args(false);
 }
 
 }  // namespace

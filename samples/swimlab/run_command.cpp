@@ -192,7 +192,8 @@ ResultJson report_data(const ResultJson& summary, const std::vector<Task>& tasks
     page["tab"] = motion.title;
     page["about"] = motion.about;
     page["charts"] = {error_chart(series), swim_chart(series),
-                      latency_chart(*motion.motion, *settings, options.pipelines, scene)};
+                      latency_chart(*motion.motion, *settings, options.pipelines, scene),
+                      budget_chart(*motion.motion, *settings, scene)};
     page["sheet"] = contact_sheet(rows);
     if (motion.id != head.row.motion) continue;
     for (const RowResult* row : rows) {

@@ -52,6 +52,7 @@ struct NearestRotation {
 [[nodiscard]] inline std::optional<NearestRotation> nearest_rotation(const Matrix3& M, double least_ratio = 1e-10) {
   if (!M.allFinite()) return std::nullopt;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(Eigen::Matrix3d(M), Eigen::ComputeFullU | Eigen::ComputeFullV);
+  if (svd.info() != Eigen::Success) return std::nullopt;
   const double sign = svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0 ? -1.0 : 1.0;
   const Vector3 s = svd.singularValues();
   if (!(s[1] + sign * s[2] > least_ratio * s[0])) return std::nullopt;

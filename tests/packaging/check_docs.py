@@ -9,7 +9,8 @@ root = pathlib.Path(sys.argv[1])
 problems, links = [], 0
 for page in [root / "README.md", root / "CHANGELOG.md", *sorted((root / "docs").glob("*.md"))]:
     text = page.read_text(encoding="utf-8")
-    for target in re.findall(r"\]\(([^)#\s]+)[^)]*\)", text):
+    prose = re.sub(r"```.*?```|`[^`\n]*`", "", text, flags=re.DOTALL)  # code has brackets of its own
+    for target in re.findall(r"\]\(([^)#\s]+)[^)]*\)", prose):
         if "://" in target:
             continue
         links += 1

@@ -60,7 +60,7 @@ function section(title, ...intro) {
 // ---- charts ------------------------------------------------------------------------------------------------------------------
 
 function legendEntry(series, value) {
-  const mark = el("i" + (series.dashed ? ".dashed" : series.area ? ".area" : ""));
+  const mark = el("i" + (series.dashed ? ".dashed" : series.points ? ".points" : series.area ? ".area" : ""));
   mark.style.color = mark.style.borderColor = seriesColor(series.style);
   return el("span", {}, mark, series.name, value === undefined ? null : el("b", {}, value));
 }

@@ -44,6 +44,9 @@ int main(int argc, char** argv) {
     return exit_code;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    if (argc > 1 && argv[1][0] != '-' && app.get_subcommands().empty()) {
+      return complain("unknown command '" + std::string(argv[1]) + "'; expected run, predict or latency");
+    }
     complain(error.what());
     std::fprintf(stderr, "Try: swimlab %s--help\n",
                  app.get_subcommands().empty() ? "" : (app.get_subcommands().front()->get_name() + " ").c_str());

@@ -52,6 +52,7 @@ WarpTable& Studio::table_of(const EyeModel& eye, LensMode lens) {
   const auto key = std::tuple(eye.side, lens, eye.resolution.width, eye.resolution.height);
   const auto known = tables_.find(key);
   if (known != tables_.end()) return known->second;
+  const Stopwatch stopwatch(setup_ms_);
   return tables_.emplace(key, seen_picture_table(*context_, eye, lens)).first->second;
 }
 

@@ -44,6 +44,8 @@ class Studio {
   /// Time spent in drawing and reading back since the start, and the number of pictures.
   [[nodiscard]] double draw_readback_ms() const { return draw_readback_ms_; }
   [[nodiscard]] std::size_t pictures() const { return pictures_; }
+  /// Time spent in making lens tables, once per eye and lens.
+  [[nodiscard]] double setup_ms() const { return setup_ms_; }
 
  private:
   void paint(const holdfast::rendering::View& view, const holdfast::rendering::SceneStyle& style);
@@ -58,7 +60,7 @@ class Studio {
   std::string model_name_;
   std::map<std::tuple<int, int, int, bool>, std::unique_ptr<holdfast::rendering::RenderTarget>> targets_;
   std::map<std::tuple<holdfast::EyeSide, holdfast::LensMode, int, int>, holdfast::rendering::WarpTable> tables_;
-  double draw_readback_ms_ = 0.0;
+  double draw_readback_ms_ = 0.0, setup_ms_ = 0.0;
   std::size_t pictures_ = 0;
 };
 

@@ -63,7 +63,7 @@ int latency(const LatencyCommandOptions& options) {
   }
   print_in_words(result, search.frames);
   if (!options.json.empty()) {
-    io::write_text_file(options.json, io::json_text(io::latency_json(result, search.frames)));
+    io::write_whole_file(options.json, io::json_text(io::latency_json(result, search.frames)));
   }
   return done;
 }

@@ -8,6 +8,7 @@
 
 #include <holdfast/io/trajectory.hpp>
 #include <holdfast/motion/generators.hpp>
+#include <holdfast/motion/low_pass.hpp>
 #include <holdfast/motion/spline_trajectory.hpp>
 
 namespace swimlab {
@@ -37,8 +38,9 @@ std::string known_names() {
   return names;
 }
 
-ChosenMotion recorded_motion(const std::string& file, bool lenient) {
-  io::TrajectoryFile recording = io::read_trajectory(file, lenient ? io::ReadMode::lenient : io::ReadMode::strict);
+ChosenMotion recorded_motion(const std::string& file, const RunOptions& options) {
+  io::TrajectoryFile recording =
+      io::read_trajectory(file, options.lenient ? io::ReadMode::lenient : io::ReadMode::strict);
   std::fprintf(stderr, "%s: %s", file.c_str(), io::describe(recording.report).c_str());
   ChosenMotion chosen;
   chosen.id = std::filesystem::path(file).filename().string();
@@ -47,8 +49,13 @@ ChosenMotion recorded_motion(const std::string& file, bool lenient) {
   about.precision(3);
   about << "A recording of " << to_seconds(recording.report.duration) << " s at " << recording.report.rate_hz()
         << " Hz, brought into the scene by its mean pose. Velocity is the difference of two poses 16.7 ms apart.";
+  std::vector<TimedPose> samples = brought_into_scene(std::move(recording.samples));
+  if (options.low_pass_hz > 0.0) {
+    samples = zero_phase_low_pass(samples, options.low_pass_hz);
+    about << " What is faster than " << options.low_pass_hz << " Hz is taken for the recording's noise and left out.";
+  }
   chosen.about = about.str();
-  chosen.motion = std::make_unique<SplineTrajectory>(brought_into_scene(std::move(recording.samples)));
+  chosen.motion = std::make_unique<SplineTrajectory>(samples);
   chosen.recorded = true;
   return chosen;
 }
@@ -70,7 +77,7 @@ ChosenMotion chosen_motion(const std::string& word, const RunOptions& options) {
                           .value = word,
                           .expected = "one of " + known_names() + ", or a recording (TUM, EuRoC, CSV with a header)"});
   }
-  return recorded_motion(word, options.lenient);
+  return recorded_motion(word, options);
 }
 
 }  // namespace

@@ -76,7 +76,7 @@ std::uint64_t seed_of(const std::string& word) {
 /// The text of the options of `run`, before they are checked.
 struct RunWords {
   Words motions, pipelines, latencies, eyes, lenses, displays;
-  std::string late = "3", size, seed = "1", backend, hmd, model, out = "out/swimlab", json;
+  std::string late = "3", low_pass = "10", size, seed = "1", backend, hmd, model, out = "out/swimlab", json;
   bool full = false, lenient = false;
 };
 
@@ -114,6 +114,7 @@ RunOptions checked(const RunWords& words, const std::string& command_line) {
   }
   if (o.displays.empty()) o.displays.emplace_back(std::nullopt);
   o.late_ms = number_of("--late-ms", words.late, 0.0, 1000.0, "milliseconds, 0 to 1000");
+  o.low_pass_hz = number_of("--low-pass-hz", words.low_pass, 0.0, 1000.0, "hertz, 0 (off) to 1000");
   if (!words.size.empty()) o.size = size_of(words.size);
   o.seed = seed_of(words.seed);
   if (!words.backend.empty()) {
@@ -170,6 +171,8 @@ void add_run_command(CLI::App& app, const std::string& command_line, int& exit_c
   add_words(run_app, "--display", words->displays, "global or rolling; as the headset says");
   run_app.add_option("--late-ms", words->late,
                      "Late pose before scan-out; used by pipelines that deflect (from P4); 3");
+  run_app.add_option("--low-pass-hz", words->low_pass,
+                     "Recordings: what is faster is noise, not the head (zero phase; 0: keep all); 10");
   run_app.add_option("--hmd", words->hmd, "Headset descriptor (assets/hmds/*.json)")->type_name("FILE");
   run_app.add_option("--model", words->model, "Draw this model too: anything assimp reads")->type_name("FILE");
   run_app.add_option("--size", words->size, "Pixels of one eye's picture; 1280x720")->type_name("WxH");

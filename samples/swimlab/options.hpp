@@ -24,6 +24,7 @@ struct RunOptions {
   std::vector<holdfast::LensMode> lenses;
   std::vector<std::optional<holdfast::ScanOut>> displays;  ///< nothing: as the headset's descriptor says
   double late_ms = 3.0;
+  double low_pass_hz = 10.0;         ///< of recordings; 0: as they are
   std::filesystem::path hmd, model;  ///< empty: none
   std::optional<holdfast::PixelSize> size;
   bool full = false, lenient = false;

@@ -5,7 +5,7 @@
 
 #include <unistd.h>
 
-#include <holdfast/io/text_file.hpp>
+#include <holdfast/io/whole_file.hpp>
 
 namespace swimlab {
 
@@ -19,7 +19,7 @@ namespace {
 }
 
 bool is_summary(const fs::path& file) {
-  return holdfast::io::read_text_file(file).find("\"holdfast/run/1\"") != std::string::npos;
+  return holdfast::io::read_whole_file(file).find("\"holdfast/run/1\"") != std::string::npos;
 }
 
 /// Name of the first thing in the folder that a run does not write; empty when all is ours.

@@ -107,7 +107,7 @@ int predict(const PredictOptions& options) {
   // One interval: the contract's object. Several: the first one's, with all of them under "intervals".
   ResultJson json = blocks.front();
   if (blocks.size() > 1) json["intervals"] = blocks;
-  io::write_text_file(options.json, io::json_text(json));
+  io::write_whole_file(options.json, io::json_text(json));
   return done;
 }
 

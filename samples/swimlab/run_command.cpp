@@ -279,13 +279,13 @@ int run(const RunOptions& options) {
       {"ratio", io::number_or_null(frame_loop_ms / draw_ms)}, {"setup_ms", io::number_or_null(studio.setup_ms())},
       {"encode_ms", io::number_or_null(encode_ms)},           {"pictures", pictures}};
   const ResultJson data = report_data(summary, tasks, results, motions, options, scene);
-  io::write_text_file(folder.path() / "report.html", report_page(data));
+  io::write_whole_file(folder.path() / "report.html", report_page(data));
   const double report_ms = ms_since(reporting);
   summary["timing"]["report_ms"] = report_ms;
-  io::write_text_file(folder.path() / "rows.csv", io::rows_csv(rows));
-  io::write_text_file(folder.path() / "summary.json", io::json_text(summary));
+  io::write_whole_file(folder.path() / "rows.csv", io::rows_csv(rows));
+  io::write_whole_file(folder.path() / "summary.json", io::json_text(summary));
   folder.commit();
-  if (!options.json.empty()) io::write_text_file(options.json, io::json_text(summary));
+  if (!options.json.empty()) io::write_whole_file(options.json, io::json_text(summary));
   progress.finish();
 
   print_rows(results);

@@ -171,7 +171,8 @@ TEST_CASE("descriptors, and what write_hmd writes, obey the JSON schema") {
   for (const auto& file : all_assets()) files += " '" + file.string() + "'";
   const auto written = std::filesystem::temp_directory_path() / "holdfast_hmd_schema_test.json";
   io::write_hmd(written, asset("rift_dk2"));
-  const int status = std::system(("python3 '" + script + "'" + files + " '" + written.string() + "'").c_str());
+  const int status = std::system(
+      (std::string("'" HOLDFAST_PYTHON "' '") + script + "'" + files + " '" + written.string() + "'").c_str());
   std::filesystem::remove(written);
   const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   if (code == 77 || code == 127) {

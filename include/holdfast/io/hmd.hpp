@@ -8,50 +8,19 @@
 #pragma once
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
-#include <string_view>
-#include <system_error>
 
 #include <holdfast/io/hmd_reader.hpp>
 #include <holdfast/io/hmd_writer.hpp>
 #include <holdfast/io/input_error.hpp>
+#include <holdfast/io/whole_file.hpp>
 #include <holdfast/optics/hmd.hpp>
 
 namespace holdfast::io {
 
 /// Reads a descriptor file.
 [[nodiscard]] inline HmdModel read_hmd(const std::filesystem::path& path) {
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) {
-    throw InputError({.file = path.string(),
-                      .line = 0,
-                      .key = {},
-                      .problem = "this is a folder",
-                      .value = {},
-                      .expected = "a headset descriptor (JSON)"});
-  }
-  std::ifstream file(path, std::ios::binary);
-  if (!file) {
-    throw InputError({.file = path.string(),
-                      .line = 0,
-                      .key = {},
-                      .problem = "the file cannot be opened",
-                      .value = {},
-                      .expected = "a headset descriptor (JSON)"});
-  }
-  std::string text;
-  text.assign(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
-  if (file.bad()) {
-    throw InputError({.file = path.string(),
-                      .line = 0,
-                      .key = {},
-                      .problem = "the file cannot be read to its end",
-                      .value = {},
-                      .expected = "a headset descriptor (JSON)"});
-  }
-  return parse_hmd(text, path.string());
+  return parse_hmd(read_whole_file(path), path.string());
 }
 
 /// Writes a descriptor; the file appears whole or not at all. A model that read_hmd would refuse is refused here, by
@@ -59,35 +28,7 @@ namespace holdfast::io {
 inline void write_hmd(const std::filesystem::path& path, const HmdModel& hmd) {
   const std::string text = hmd_json(hmd);
   static_cast<void>(parse_hmd(text, path.string()));
-  std::filesystem::path part = path;
-  part += ".part";
-  {
-    std::ofstream file(part, std::ios::binary | std::ios::trunc);
-    file << text;
-    file.flush();
-    if (!file) {
-      std::error_code ignored;
-      std::filesystem::remove(part, ignored);
-      throw InputError({.file = path.string(),
-                        .line = 0,
-                        .key = {},
-                        .problem = "the file cannot be written",
-                        .value = {},
-                        .expected = "a folder that exists and may be written to"});
-    }
-  }
-  std::error_code error;
-  std::filesystem::rename(part, path, error);
-  if (error) {
-    std::error_code ignored;
-    std::filesystem::remove(part, ignored);
-    throw InputError({.file = path.string(),
-                      .line = 0,
-                      .key = {},
-                      .problem = "the file cannot be written: " + error.message(),
-                      .value = {},
-                      .expected = "a path that may be written to"});
-  }
+  write_whole_file(path, text);
 }
 
 }  // namespace holdfast::io

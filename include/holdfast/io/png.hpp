@@ -1,17 +1,15 @@
 /// PNG in and out, by libpng's simplified interface.
 ///
-/// write_png writes to a temporary file beside the target and renames it, so that a reader never sees half a picture
-/// and a failure leaves what was there before. Files hold rows from the top down; io::Image from the bottom up: turned
-/// here, nowhere else. Errors: InputError naming the file and what libpng or the system said.
+/// A failure of write_png leaves what was there before (whole_file.hpp). Files hold rows from the top down; io::Image
+/// from the bottom up: turned here, nowhere else. Errors: InputError naming the file and what libpng or the system
+/// said.
 #pragma once
 
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
-#include <system_error>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -19,6 +17,7 @@
 
 #include <holdfast/io/image.hpp>
 #include <holdfast/io/input_error.hpp>
+#include <holdfast/io/whole_file.hpp>
 
 namespace holdfast::io {
 namespace detail {
@@ -96,23 +95,7 @@ struct PngImage {
 inline void write_png(const std::filesystem::path& path, const Image& image, bool with_alpha = false) {
   if (image.empty()) throw detail::image_error(path.string(), "the picture is empty; expected at least one pixel");
   const std::vector<std::uint8_t> bytes = encode_png(image, with_alpha);
-  std::filesystem::path temporary = path;
-  temporary += ".part";
-  std::FILE* file = std::fopen(temporary.c_str(), "wb");
-  if (file == nullptr) throw detail::image_error(path.string(), std::string("cannot write: ") + std::strerror(errno));
-  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
-  int error = written ? 0 : errno;
-  if (std::fclose(file) != 0 && error == 0) error = errno;
-  std::error_code failure;
-  if (error == 0) {
-    std::filesystem::rename(temporary, path, failure);
-    if (!failure) return;
-  } else {
-    failure = std::error_code(error, std::generic_category());
-  }
-  std::error_code ignored;
-  std::filesystem::remove(temporary, ignored);
-  throw detail::image_error(path.string(), "cannot write: " + failure.message());
+  write_whole_file(path, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
 }
 
 }  // namespace holdfast::io

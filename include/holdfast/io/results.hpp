@@ -3,7 +3,7 @@
 /// Source: design.md, "The command". Units are in the key names. Every number is finite; what is undefined is null (in
 /// CSV an empty cell). Keys beyond the contract, told in docs/swimlab.md: of a row `pose`, `scan_skew_arcmin`,
 /// `overshoot_pct`, `effective_latency_uncertainty_ms`, `registration.p50_px`, `.p99_px`, `swim.rms_px_s`,
-/// `.peak_px_s`. Files are written by text_file.hpp: whole or not at all.
+/// `.peak_px_s`. Files are written by whole_file.hpp: whole or not at all.
 #pragma once
 
 #include <cmath>
@@ -15,7 +15,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <holdfast/io/text_file.hpp>
+#include <holdfast/io/whole_file.hpp>
 #include <holdfast/registration/experiment_types.hpp>
 #include <holdfast/registration/latency_types.hpp>
 

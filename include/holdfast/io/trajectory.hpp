@@ -29,13 +29,13 @@
 #include <vector>
 
 #include <holdfast/io/input_error.hpp>
-#include <holdfast/io/text_file.hpp>
 #include <holdfast/io/trajectory_columns.hpp>
 #include <holdfast/io/trajectory_format.hpp>
 #include <holdfast/io/trajectory_report.hpp>
 #include <holdfast/io/trajectory_suspicions.hpp>
 #include <holdfast/io/trajectory_text.hpp>
 #include <holdfast/io/trajectory_write.hpp>
+#include <holdfast/io/whole_file.hpp>
 #include <holdfast/motion/sampled_trajectory.hpp>
 
 namespace holdfast::io {
@@ -237,7 +237,7 @@ class TrajectoryParser {
 
 [[nodiscard]] inline TrajectoryFile read_trajectory(const std::filesystem::path& path,
                                                     ReadMode mode = ReadMode::strict) {
-  const std::string text = read_text_file(path);
+  const std::string text = read_whole_file(path);
   return parse_trajectory(text, path.string(), mode);
 }
 

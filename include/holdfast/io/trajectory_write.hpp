@@ -13,7 +13,7 @@
 #include <span>
 #include <string>
 
-#include <holdfast/io/text_file.hpp>
+#include <holdfast/io/whole_file.hpp>
 #include <holdfast/motion/timed_pose.hpp>
 
 namespace holdfast::io {
@@ -54,7 +54,7 @@ inline void append_seconds(std::string& text, Duration d) {
 }
 
 inline void write_tum(const std::filesystem::path& path, std::span<const TimedPose> samples) {
-  write_text_file(path, tum_text(samples));
+  write_whole_file(path, tum_text(samples));
 }
 
 }  // namespace holdfast::io

@@ -1,4 +1,4 @@
-/// Whole text files: read in one go, written so that a file is never left behind half written.
+/// Whole files, text or bytes: read in one go, written so that a file is never left behind half written.
 ///
 /// Bad input: a path that cannot be read or written is an InputError that says so.
 #pragma once
@@ -13,7 +13,7 @@
 
 namespace holdfast::io {
 
-[[nodiscard]] inline std::string read_text_file(const std::filesystem::path& path) {
+[[nodiscard]] inline std::string read_whole_file(const std::filesystem::path& path) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) {
     throw InputError({.file = path.string(), .problem = "is a folder", .expected = "a file"});
@@ -33,13 +33,13 @@ namespace holdfast::io {
 }
 
 /// Writes beside the place and renames: readers see the old file or the whole new one.
-inline void write_text_file(const std::filesystem::path& path, std::string_view text) {
+inline void write_whole_file(const std::filesystem::path& path, std::string_view bytes) {
   std::filesystem::path unfinished = path;
   unfinished += ".unfinished";
   std::error_code error;
   {
     std::ofstream file(unfinished, std::ios::binary | std::ios::trunc);
-    file.write(text.data(), static_cast<std::streamsize>(text.size()));
+    file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     file.close();
     if (!file) {
       std::filesystem::remove(unfinished, error);

@@ -59,6 +59,33 @@ TEST_CASE("it interpolates as vqs.hpp does, for steps of any angle and either si
   }
 }
 
+TEST_CASE(
+    "the rotation is so3::interpolate's, for steps from nothing to half a turn and either sign of the quaternion") {
+  std::mt19937_64 random(13);
+  std::normal_distribution<double> normal;
+  // Up to 1e-6: a still head, where a difference of two angles keeps no digits. 0.1, 0.399: the series; 0.401: just
+  // beyond it. The last: nearly half a turn, where the shorter way is least clear.
+  for (const double angle : {0.0, 1e-300, 1e-12, 1e-8, 1e-6, 1e-3, 0.1, 0.399, 0.401, 1.5, 3.1, 3.14159}) {
+    for (const double sign : {1.0, -1.0}) {
+      CAPTURE(angle);
+      const Vector3 axis = Vector3(normal(random), normal(random), normal(random)).normalized();
+      const Vector3 turn_a(normal(random), normal(random), normal(random)), turn = angle * axis;
+      const Quaternion q_a = so3::exp<double>(turn_a);
+      Quaternion q_b = q_a * so3::exp<double>(turn);
+      q_b.coeffs() *= sign;
+      PoseHistory history;
+      history.push(time_at(0), Vqs(Vector3::Zero(), q_a, 1));
+      history.push(time_at(1), Vqs(Vector3::Zero(), q_b, 1));
+      for (int percent = 0; percent < 100; percent += 3) {
+        const Quaternion expected = so3::interpolate<double>(q_a, q_b, percent / 100.0);
+        const Quaternion q = history.at(time_at(percent / 100.0)).T_AB.q();
+        // Two formulas for one rotation: rounding of a few operations on unit numbers, and 3e-15 of the series.
+        CHECK(so3::angle_between<double>(q, expected) < 1e-14);
+      }
+    }
+  }
+}
+
 TEST_CASE("beyond the newest sample it holds and says how old, or refuses; it never extrapolates") {
   PoseHistory holds, refuses({.max_age = never_hold}), half({.max_age = from_milliseconds(500)});
   for (PoseHistory* h : {&holds, &refuses, &half}) {

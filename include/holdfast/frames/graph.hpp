@@ -142,12 +142,12 @@ class FrameGraph {
     std::int32_t root = -1;    // of its component
     std::int32_t parent = -1;  // towards the root; -1 at the root
     std::int32_t parent_edge = -1;
-    std::int32_t depth = 0;          // edges to the root
-    std::int32_t head = -1;          // the frame of its static cluster nearest to the root
-    std::int32_t cluster_depth = 0;  // dynamic edges to the root
-    std::int32_t branch = -1;        // the cluster head just below the root's cluster; -1 in the root's
-    bool parent_is_A = true;         // the parent edge is T_parent_child, not T_child_parent
-    detail::RawVqs T_head_node;      // folded static edges
+    std::int32_t depth = 0;              // edges to the root
+    std::int32_t head = -1;              // the frame of its static cluster nearest to the root
+    std::int32_t cluster_depth = 0;      // dynamic edges to the root
+    std::int32_t branch = -1;            // the cluster head just below the root's cluster; -1 in the root's
+    bool parent_is_A = true;             // the parent edge is T_parent_child, not T_child_parent
+    detail::RawVqs T_head_node = Vqs();  // folded static edges
   };
   /// What a frame was seen to be at the time last asked for.
   struct Seen {
@@ -198,6 +198,7 @@ class FrameGraph {
   std::uint64_t version_ = 0;  // of the shape and the static edges
   std::uint64_t changes_ = 1;  // of anything, samples too
   mutable std::vector<Seen> seen_;
+  mutable HostTime asked_t_ = HostTime::min();  // of the newest lookup or chain
 };
 
 }  // namespace holdfast

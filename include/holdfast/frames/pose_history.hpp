@@ -12,12 +12,12 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include <holdfast/assert.hpp>
+#include <holdfast/frames/detail/pose_segment.hpp>
 #include <holdfast/frames/detail/raw_vqs.hpp>
 #include <holdfast/geometry/vqs.hpp>
 #include <holdfast/timing/clock.hpp>
@@ -83,20 +83,16 @@ class PoseHistory {
 
   /// T_AB at time t. Samples that come at an even rate are found in one step, others by bisection.
   [[nodiscard]] Sample at(HostTime t) const {
-    detail::RawVqs T_AB;
+    detail::RawVqs T_AB = Vqs();
     const RawSample raw = at(t, T_AB);
     return {detail::to_vqs(T_AB), raw.age, raw.status};
   }
 
-  [[nodiscard]] RawSample at(HostTime t, detail::RawVqs& T_AB) const {
-    if (size_ == 0) return {};
-    const Slot& newest = slot(size_ - 1);
-    if (t >= newest.t) return beyond(newest, t - newest.t, T_AB);
-    if (t < slot(0).t) return {Duration(0), SampleStatus::before_history};
-    const std::size_t i = first_later_than(t);
-    const Slot& b = slot(i);
-    if (b.too_wide) return {Duration(0), SampleStatus::gap};
-    interpolate(slot(i - 1), b, t, T_AB);
+  [[nodiscard]] EIGEN_ALWAYS_INLINE RawSample at(HostTime t, detail::RawVqs& T_AB) const {
+    if (t < oldest_t_ || t >= newest_t_) return outside(t, T_AB);
+    const Segment& guess = ring_[guess_slot(t)];
+    if (!guess.covers(t) || !guess.simple) return between(t, T_AB);
+    guess.interpolate_simple(t, T_AB);
     return {Duration(0), SampleStatus::interpolated};
   }
 
@@ -106,9 +102,9 @@ class PoseHistory {
   [[nodiscard]] const HistoryOptions& options() const { return options_; }
 
   /// Preconditions of these: not empty.
-  [[nodiscard]] HostTime oldest_time() const { return checked(0).t; }
-  [[nodiscard]] HostTime newest_time() const { return checked(size_ - 1).t; }
-  [[nodiscard]] Vqs newest() const { return detail::to_vqs(checked(size_ - 1).T_AB); }
+  [[nodiscard]] HostTime oldest_time() const { return require_a_sample(), oldest_t_; }
+  [[nodiscard]] HostTime newest_time() const { return require_a_sample(), newest_t_; }
+  [[nodiscard]] const Vqs& newest() const { return require_a_sample(), newest_; }
 
   /// How many pushes ended this way since the history was made.
   [[nodiscard]] std::uint64_t pushes(PushStatus status) const { return counts_[static_cast<std::size_t>(status)]; }
@@ -116,51 +112,26 @@ class PoseHistory {
   /// Forgets the samples, not the counts.
   void clear() {
     size_ = 0;
-    begin_ = 0;
+    oldest_t_ = newest_t_ = HostTime();
   }
 
  private:
-  /// A sample, and what interpolating the step that led to it needs, taken once at the push: a lookup evaluates no
-  /// trigonometric function for steps below 23 degrees. Half angle h of the step; the rotation between is
-  /// q(u) = sin((1 - u) h) / sin h  q_previous + sin(u h) / sin h  (+-q).
-  struct Slot {
-    HostTime t;
-    detail::RawVqs T_AB;            // q on the previous one's side
-    double per_nanosecond = 0;      // 1 / (t - t_previous)
-    double half_angle_squared = 0;  // h^2
-    double per_sinc = 1;            // h / sin h
-    double log_growth = 0;          // log(s / s_previous)
-    bool too_wide = false;          // wider than max_gap
-  };
+  using Segment = detail::PoseSegment;
 
   PushStatus try_push(HostTime t, const Vqs& T_AB) {
     if (!T_AB.is_finite() || !(T_AB.s() > 0)) return PushStatus::not_finite;
-    Slot next{t, T_AB};
-    if (size_ > 0) {
-      const Slot& last = slot(size_ - 1);
-      if (t == last.t) return PushStatus::duplicate;
-      if (t < last.t) return PushStatus::out_of_order;
-      measure_step(last, next);
-    }
-    if (size_ == ring_.size()) {
-      begin_ = (begin_ + 1) & mask_;
-      --size_;
-    }
-    ring_[(begin_ + size_) & mask_] = next;
-    ++size_;
-    const double span = static_cast<double>((t - slot(0).t).count());
+    if (size_ > 0 && t == newest_t_) return PushStatus::duplicate;
+    if (size_ > 0 && t < newest_t_) return PushStatus::out_of_order;
+    newest_slot_ = (newest_slot_ + 1) & mask_;
+    Segment& next = ring_[newest_slot_];
+    next = size_ > 0 ? detail::pose_segment(newest_t_, newest_, t, T_AB, options_.max_gap) : Segment{t, t};
+    size_ = std::min(size_ + 1, ring_.size());
+    newest_t_ = t;
+    newest_ = T_AB;
+    oldest_t_ = ring_[slot(0)].end;
+    const double span = static_cast<double>((newest_t_ - oldest_t_).count());
     samples_per_nanosecond_ = size_ > 1 ? static_cast<double>(size_ - 1) / span : 0;
     return PushStatus::accepted;
-  }
-
-  void measure_step(const Slot& last, Slot& next) const {
-    if (last.T_AB.q.dot(next.T_AB.q) < 0) next.T_AB.q.coeffs() = -next.T_AB.q.coeffs();
-    const double h = 0.5 * so3::angle_between<double>(last.T_AB.q, next.T_AB.q);
-    next.half_angle_squared = h * h;
-    next.per_sinc = h < 1e-8 ? 1 : h / std::sin(h);
-    next.log_growth = next.T_AB.s == last.T_AB.s ? 0 : std::log(next.T_AB.s / last.T_AB.s);
-    next.per_nanosecond = 1 / static_cast<double>((next.t - last.t).count());
-    next.too_wide = next.t - last.t > options_.max_gap;
   }
 
   PushStatus count(PushStatus status) {
@@ -168,75 +139,53 @@ class PoseHistory {
     return status;
   }
 
-  [[nodiscard]] RawSample beyond(const Slot& newest, Duration age, detail::RawVqs& T_AB) const {
+  /// The answer for a time before the oldest sample, or not before the newest.
+  [[nodiscard]] EIGEN_DONT_INLINE RawSample outside(HostTime t, detail::RawVqs& T_AB) const {
+    if (size_ == 0) return {};
+    if (t < oldest_t_) return {Duration(0), SampleStatus::before_history};
+    const Duration age = t - newest_t_;
     if (age > options_.max_age) return {age, SampleStatus::too_old};
-    T_AB = newest.T_AB;
+    T_AB = newest_;
     return {age, age.count() == 0 ? SampleStatus::interpolated : SampleStatus::held};
   }
 
-  /// sin(x) / x from x^2, for x^2 < 0.04: the first dropped term is x^10 / 11! < 3e-15.
-  static double sinc(double x2) {
-    return 1 - x2 * (1.0 / 6 - x2 * (1.0 / 120 - x2 * (1.0 / 5040 - x2 * (1.0 / 362880))));
+  /// The answer for a time inside the history, with every case. Precondition: oldest <= t < newest.
+  [[nodiscard]] EIGEN_DONT_INLINE RawSample between(HostTime t, detail::RawVqs& T_AB) const {
+    const Segment& segment = ring_[ring_[guess_slot(t)].covers(t) ? guess_slot(t) : bisect(t)];
+    if (segment.too_wide) return {Duration(0), SampleStatus::gap};
+    segment.simple ? segment.interpolate_simple(t, T_AB) : segment.interpolate(t, T_AB);
+    return {Duration(0), SampleStatus::interpolated};
   }
 
-  static void interpolate(const Slot& a, const Slot& b, HostTime t, detail::RawVqs& T_AB) {
-    const double u = static_cast<double>((t - a.t).count()) * b.per_nanosecond;
-    const double r = 1 - u;
-    const double h2 = b.half_angle_squared;
-    double weight_a = r, weight_b = u;
-    if (h2 < 0.04) {
-      weight_a *= b.per_sinc * sinc(r * r * h2);
-      weight_b *= b.per_sinc * sinc(u * u * h2);
-    } else {
-      const double h = std::sqrt(h2);
-      weight_a = std::sin(r * h) * b.per_sinc / h;
-      weight_b = std::sin(u * h) * b.per_sinc / h;
-    }
-    T_AB.q.coeffs() = weight_a * a.T_AB.q.coeffs() + weight_b * b.T_AB.q.coeffs();
-    T_AB.v = r * a.T_AB.v + u * b.T_AB.v;
-    T_AB.s = b.log_growth == 0 ? a.T_AB.s : a.T_AB.s * std::exp(u * b.log_growth);
+  /// Slot of the segment that t is in if samples come at an even rate. Precondition: oldest <= t < newest.
+  [[nodiscard]] std::size_t guess_slot(HostTime t) const {
+    const double back = static_cast<double>((newest_t_ - t).count()) * samples_per_nanosecond_;
+    return (newest_slot_ - static_cast<std::size_t>(static_cast<std::int64_t>(back))) & mask_;
   }
 
-  /// Index of the first sample with time > t. Precondition: oldest <= t < newest.
-  [[nodiscard]] std::size_t first_later_than(HostTime t) const {
-    const double since_oldest = static_cast<double>((t - slot(0).t).count());
-    const std::size_t guess =
-        static_cast<std::size_t>(static_cast<std::int64_t>(since_oldest * samples_per_nanosecond_));
-    const std::size_t i = std::min(guess + 1, size_ - 1);
-    if (slot(i).t > t && slot(i - 1).t <= t) return i;
-    return bisect(t, i);
-  }
-
-  /// Gallops away from sample i, then bisects.
-  [[nodiscard]] std::size_t bisect(HostTime t, std::size_t i) const {
+  /// Slot of the segment that t is in. Precondition: oldest <= t < newest.
+  [[nodiscard]] std::size_t bisect(HostTime t) const {
     std::size_t not_later = 0, later = size_ - 1;
-    std::size_t step = 1;
-    if (slot(i).t > t) {
-      for (later = i; step <= later && slot(later - step).t > t; step *= 2) later -= step;
-      if (step <= later) not_later = later - step;
-    } else {
-      for (not_later = i; not_later + step < size_ && slot(not_later + step).t <= t; step *= 2) not_later += step;
-      later = std::min(later, not_later + step);
-    }
     while (later - not_later > 1) {
       const std::size_t middle = not_later + (later - not_later) / 2;
-      (slot(middle).t > t ? later : not_later) = middle;
+      (ring_[slot(middle)].end > t ? later : not_later) = middle;
     }
-    return later;
+    return slot(later);
   }
 
-  [[nodiscard]] const Slot& slot(std::size_t i) const { return ring_[(begin_ + i) & mask_]; }
-  [[nodiscard]] const Slot& checked(std::size_t i) const {
-    HOLDFAST_ASSERT(size_ > 0, "the history is empty");
-    return slot(i);
-  }
+  /// Slot of sample i, 0 the oldest, and of the segment that leads to it.
+  [[nodiscard]] std::size_t slot(std::size_t i) const { return (newest_slot_ + 1 + i - size_) & mask_; }
+  void require_a_sample() const { HOLDFAST_ASSERT(size_ > 0, "the history is empty"); }
 
-  HistoryOptions options_;
-  std::vector<Slot> ring_;
-  std::size_t mask_ = 0;
-  std::size_t begin_ = 0;
-  std::size_t size_ = 0;
+  // What a lookup needs comes first. Without samples every time is outside.
+  HostTime oldest_t_, newest_t_;
   double samples_per_nanosecond_ = 0;  // on average over the ring
+  std::size_t newest_slot_ = 0;
+  std::size_t mask_ = 0;
+  std::vector<Segment> ring_;  // each the segment that leads to a sample
+  std::size_t size_ = 0;
+  Vqs newest_;
+  HistoryOptions options_;
   std::array<std::uint64_t, 6> counts_{};
 };
 

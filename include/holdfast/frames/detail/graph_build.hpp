@@ -103,7 +103,7 @@ inline void FrameGraph::adopt(std::int32_t child, std::int32_t parent, std::int3
     c.root = c.head = child;
     c.depth = c.cluster_depth = 0;
     c.branch = -1;
-    c.T_head_node = detail::RawVqs();
+    c.T_head_node = Vqs();
     return;
   }
   const Edge& edge = edges_[static_cast<std::size_t>(e)];
@@ -115,10 +115,11 @@ inline void FrameGraph::adopt(std::int32_t child, std::int32_t parent, std::int3
   c.head = is_static ? p.head : child;
   c.cluster_depth = p.cluster_depth + (is_static ? 0 : 1);
   c.branch = is_static || p.branch >= 0 ? p.branch : child;
-  c.T_head_node = detail::RawVqs();
+  c.T_head_node = Vqs();
   if (!is_static) return;
   const Vqs T_parent_child = c.parent_is_A ? edge.T_AB : edge.T_AB.inverse();
-  c.T_head_node = to_vqs(product(p.T_head_node, T_parent_child));
+  multiply(p.T_head_node, T_parent_child, c.T_head_node);
+  c.T_head_node = to_vqs(c.T_head_node);
 }
 
 /// Hangs the tree that `child` is in, with `child` on top, from `parent` (-1: it becomes a root) by the edge.

@@ -12,11 +12,14 @@ namespace holdfast {
 
 namespace detail {
 
-/// Takes a status and age on the way into a result's: the first fault stays, else the oldest age.
+/// Takes a status and age on the way into a result's: the first fault stays, else the oldest age, of equals the edge
+/// that was added first.
 template <typename Result>
 void take_in(Result& result, Duration age, LookupStatus status, EdgeId edge) {
   if (status == LookupStatus::ok || !result) return;
-  if (status == LookupStatus::held && result.status == LookupStatus::held && age <= result.age) return;
+  if (status == LookupStatus::held && result.status == LookupStatus::held) {
+    if (age < result.age || (age == result.age && edge.index() > result.edge.index())) return;
+  }
   result.status = status;
   result.age = age;
   result.edge = edge;
@@ -36,12 +39,12 @@ struct FrameGraph::Climb {
   void raise(const FrameGraph& graph, HostTime t, Lookup& result) {
     const Node& n = graph.node(head);
     const Edge& e = graph.edges_[static_cast<std::size_t>(n.parent_edge)];
-    detail::RawVqs T_AB;
+    detail::RawVqs T_AB = Vqs();
     const PoseHistory::RawSample sample = e.history.at(t, T_AB);
     detail::take_in(result, sample.age, lookup_status(sample.status), {n.parent_edge, e.generation});
-    T_head_start = n.parent_is_A ? product(T_AB, T_head_start) : inverse_product(T_AB, T_head_start);
+    n.parent_is_A ? multiply(T_AB, T_head_start, T_head_start) : divide(T_AB, T_head_start, T_head_start);
     const Node& above = graph.node(n.parent);
-    if (above.head != n.parent) T_head_start = product(above.T_head_node, T_head_start);
+    if (above.head != n.parent) multiply(above.T_head_node, T_head_start, T_head_start);
     head = above.head;
   }
 };
@@ -60,21 +63,18 @@ inline const FrameGraph::Seen& FrameGraph::see(std::int32_t frame, HostTime t) c
   seen.changes = changes_;
   seen.status = LookupStatus::ok;
   seen.age = Duration(0);
-  if (n.parent < 0) {
-    seen.T_root_frame = detail::RawVqs();
-    return seen;
-  }
+  seen.T_root_frame = n.T_head_node;
+  if (n.parent < 0) return seen;
   const std::int32_t above = is_head ? n.parent : n.head;
   const Seen& up = from_root(above, t);
   detail::take_in(seen, up.age, up.status, up.edge);
-  detail::RawVqs T_above_frame = n.T_head_node;
   if (is_head) {
     const Edge& e = edges_[static_cast<std::size_t>(n.parent_edge)];
-    const PoseHistory::RawSample sample = e.history.at(t, T_above_frame);
+    const PoseHistory::RawSample sample = e.history.at(t, seen.T_root_frame);
     detail::take_in(seen, sample.age, lookup_status(sample.status), {n.parent_edge, e.generation});
-    if (!n.parent_is_A) T_above_frame = inverse(T_above_frame);
+    if (!n.parent_is_A) divide(seen.T_root_frame, Vqs(), seen.T_root_frame);
   }
-  seen.T_root_frame = above == n.root ? T_above_frame : product(up.T_root_frame, T_above_frame);
+  if (above != n.root) multiply(up.T_root_frame, seen.T_root_frame, seen.T_root_frame);
   return seen;
 }
 
@@ -84,6 +84,7 @@ inline bool FrameGraph::by_root(const Node& a, const Node& b) {
 }
 
 inline Lookup FrameGraph::lookup(FrameId A, FrameId B, HostTime t) const {
+  asked_t_ = t;
   Lookup result;
   if (!contains(A) || !contains(B)) {
     result.status = LookupStatus::unknown_frame;
@@ -105,7 +106,9 @@ inline Lookup FrameGraph::lookup_by_root(FrameId A, FrameId B, HostTime t) const
   const Seen &a = from_root(A.index(), t), &b = from_root(B.index(), t);
   detail::take_in(result, a.age, a.status, a.edge);
   detail::take_in(result, b.age, b.status, b.edge);
-  if (result) result.T_AB = to_vqs(inverse_product(a.T_root_frame, b.T_root_frame));
+  detail::RawVqs T_AB;
+  divide(a.T_root_frame, b.T_root_frame, T_AB);
+  if (result) result.T_AB = to_vqs(T_AB);
   return result;
 }
 
@@ -117,7 +120,8 @@ inline Lookup FrameGraph::lookup_below_root(FrameId A, FrameId B, HostTime t) co
     const bool raise_a = node(a.head).cluster_depth > node(b.head).cluster_depth;
     raise_a ? a.raise(*this, t, result) : b.raise(*this, t, result);
   }
-  if (result) result.T_AB = to_vqs(inverse_product(a.T_head_start, b.T_head_start));
+  divide(a.T_head_start, b.T_head_start, b.T_head_start);
+  if (result) result.T_AB = to_vqs(b.T_head_start);
   return result;
 }
 

@@ -1,15 +1,15 @@
-// Uses something of every component that was asked for.
+// Uses something of every component that was asked for, by its own header: the umbrellas are compiled by other tests.
 #include <cstdio>
 
-#include <holdfast/holdfast.hpp>
+#include <holdfast/optics/hmd.hpp>
 #ifdef WITH_IO
-#include <holdfast/io/io.hpp>
+#include <holdfast/io/png.hpp>
 #endif
 #ifdef WITH_RENDERING
-#include <holdfast/rendering/rendering.hpp>
+#include <holdfast/rendering/make_context.hpp>
 #endif
 #ifdef WITH_SCENE
-#include <holdfast/scene/scene.hpp>
+#include <holdfast/scene/load_model.hpp>
 #endif
 #ifdef WITH_GLM
 #include <holdfast/interop/glm.hpp>
@@ -20,5 +20,23 @@ int main() {
   const auto pixel = holdfast::project(hmd.left, holdfast::Vector3(0, 0, -1));
   if (!pixel) return 1;
   std::printf("a point straight ahead of the left eye is at pixel %.1f, %.1f\n", pixel->x(), pixel->y());
+#ifdef WITH_IO
+  const holdfast::io::Image image(1, 1, {1, 2, 3, 255});
+  if (holdfast::io::encode_png(image).empty()) return 1;
+#endif
+#ifdef WITH_RENDERING
+  std::printf("drawn by %s\n", holdfast::rendering::make_context()->info().gl_renderer.c_str());
+#endif
+#ifdef WITH_SCENE
+  try {
+    static_cast<void>(holdfast::scene::load_model("absent.glb"));
+    return 1;
+  } catch (const std::exception& error) {
+    std::printf("%s\n", error.what());
+  }
+#endif
+#ifdef WITH_GLM
+  if (holdfast::to_glm(hmd.left.X_HE.q()).w != 1.0) return 1;
+#endif
   return 0;
 }

@@ -42,6 +42,11 @@ struct PairedPoints {
   return pairs;
 }
 
+/// Square matrices up to 9 x 9 (align_poses.hpp) and their decomposition: one type of bounded size, so that the
+/// compiler makes it once, and no QR step, which only other shapes need.
+using SingularMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::DontAlign, 9, 9>;
+using SquareSvd = Eigen::JacobiSVD<SingularMatrix, Eigen::NoQRPreconditioner>;
+
 /// The rotation nearest to M (it maximises trace(R^T M)), and that trace. Nothing when several rotations are equally
 /// near: the second singular value, with the sign of the third, does not stand out.
 struct NearestRotation {
@@ -51,13 +56,14 @@ struct NearestRotation {
 
 [[nodiscard]] inline std::optional<NearestRotation> nearest_rotation(const Matrix3& M, double least_ratio = 1e-10) {
   if (!M.allFinite()) return std::nullopt;
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(Eigen::Matrix3d(M), Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const SquareSvd svd(M, Eigen::ComputeFullU | Eigen::ComputeFullV);
   if (svd.info() != Eigen::Success) return std::nullopt;
-  const double sign = svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0 ? -1.0 : 1.0;
+  const Matrix3 U = svd.matrixU(), V = svd.matrixV();
+  const double sign = U.determinant() * V.determinant() < 0.0 ? -1.0 : 1.0;
   const Vector3 s = svd.singularValues();
   if (!(s[1] + sign * s[2] > least_ratio * s[0])) return std::nullopt;
   const Vector3 signs(1.0, 1.0, sign);
-  return NearestRotation{svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose(), s.dot(signs)};
+  return NearestRotation{U * signs.asDiagonal() * V.transpose(), s.dot(signs)};
 }
 
 }  // namespace align_detail

@@ -37,8 +37,11 @@ struct PoseAlignment {
 
 namespace align_detail {
 
-using Matrix12 = Eigen::Matrix<double, 12, 12>;
-using Vector12 = Eigen::Matrix<double, 12, 1>;
+using Vector12 = VectorOf<double, 12>;
+/// Normal equations, of 6 or of 12 unknowns. One type of bounded size, so that the compiler makes one decomposition,
+/// and unrolls none.
+using NormalMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::DontAlign, 12, 12>;
+using NormalVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::DontAlign, 12, 1>;
 
 /// What one pair of poses says against X_AP = X_AB X_BQ X_QP: rotation (rad) and position (m), both expressed in A.
 struct PoseResidual {
@@ -52,12 +55,12 @@ struct PoseResidual {
 }
 
 /// Derivative of the residual's negative by (rotation of X_AB on the left, p_AB, rotation of X_QP on the left, p_QP).
-[[nodiscard]] inline Eigen::Matrix<double, 6, 12> pose_residual_jacobian(const Rigid& X_BQ, const Rigid& X_AB,
-                                                                         const Rigid& X_QP,
-                                                                         const Vector3& rotation_residual) {
+[[nodiscard]] inline MatrixOf<double, 6, 12> pose_residual_jacobian(const Rigid& X_BQ, const Rigid& X_AB,
+                                                                    const Rigid& X_QP,
+                                                                    const Vector3& rotation_residual) {
   const Matrix3 R_AQ = (X_AB.q() * X_BQ.q()).toRotationMatrix();
   const Matrix3 J = so3::right_jacobian_inverse<double>(rotation_residual);
-  Eigen::Matrix<double, 6, 12> D = Eigen::Matrix<double, 6, 12>::Zero();
+  MatrixOf<double, 6, 12> D = MatrixOf<double, 6, 12>::Zero();
   D.block<3, 3>(0, 0) = J;
   D.block<3, 3>(0, 6) = J * R_AQ;
   D.block<3, 3>(3, 0) = -so3::hat<double>(X_AB.q() * (X_BQ * X_QP.p()));
@@ -71,7 +74,7 @@ struct PoseResidual {
 [[nodiscard]] inline std::optional<PoseAlignment> align_poses_linearly(std::span<const Rigid> X_AP,
                                                                        std::span<const Rigid> X_BQ) {
   // R_AP R_PQ = R_AB R_BQ for all pairs: R_PQ and R_AB maximise vec(R_AB)^T K vec(R_PQ), K = mean of R_BQ (x) R_AP.
-  Eigen::Matrix<double, 9, 9> K = Eigen::Matrix<double, 9, 9>::Zero();
+  SingularMatrix K = SingularMatrix::Zero(9, 9);
   const double n = static_cast<double>(X_AP.size());
   for (std::size_t i = 0; i < X_AP.size(); ++i) {
     const Matrix3 R_AP = X_AP[i].R();
@@ -82,14 +85,12 @@ struct PoseResidual {
       }
     }
   }
-  const Eigen::JacobiSVD<Eigen::Matrix<double, 9, 9>> svd(K, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const SquareSvd svd(K, Eigen::ComputeFullU | Eigen::ComputeFullV);
   // Turns about one axis leave the first singular value double; a second axis exercised by 1 degree separates them by
   // 1e-4.
   if (!(svd.singularValues()[1] < (1.0 - 1e-4) * svd.singularValues()[0])) return std::nullopt;
-  const Eigen::Matrix<double, 9, 1> u = svd.matrixU().col(0);
-  const Eigen::Matrix<double, 9, 1> v = svd.matrixV().col(0);
-  Matrix3 M_AB = Eigen::Map<const Eigen::Matrix3d>(u.data());
-  Matrix3 M_PQ = Eigen::Map<const Eigen::Matrix3d>(v.data());
+  Matrix3 M_AB = Eigen::Map<const Matrix3>(svd.matrixU().data());  // the first column
+  Matrix3 M_PQ = Eigen::Map<const Matrix3>(svd.matrixV().data());
   if (M_AB.determinant() < 0.0) {
     M_AB = -M_AB;
     M_PQ = -M_PQ;
@@ -98,20 +99,34 @@ struct PoseResidual {
   const std::optional<NearestRotation> R_PQ = nearest_rotation(M_PQ);
   if (!R_AB || !R_PQ) return std::nullopt;
 
-  // p_AP = R_AB p_BQ + p_AB + R_AB R_BQ p_QP: linear in p_AB and p_QP.
-  Matrix6 N = Matrix6::Zero();
-  Vector6 b = Vector6::Zero();
+  // p_AP = R_AB p_BQ + p_AB + C p_QP, C = R_AB R_BQ: linear in p_AB and p_QP; C^T C = I.
+  NormalMatrix N = NormalMatrix::Identity(6, 6) * n;
+  NormalVector b = NormalVector::Zero(6);
   for (std::size_t i = 0; i < X_AP.size(); ++i) {
-    MatrixOf<double, 3, 6> D;
-    D << Matrix3::Identity(), R_AB->R * X_BQ[i].R();
-    N += D.transpose() * D;
-    b += D.transpose() * (X_AP[i].p() - R_AB->R * X_BQ[i].p());
+    const Matrix3 C = R_AB->R * X_BQ[i].R();
+    const Vector3 r = X_AP[i].p() - R_AB->R * X_BQ[i].p();
+    N.block<3, 3>(3, 0) += C.transpose();  // the decomposition reads the lower half only
+    b.head<3>() += r;
+    b.tail<3>() += C.transpose() * r;
   }
-  const Vector6 positions = N.ldlt().solve(b);
+  const NormalVector positions = Eigen::LDLT<NormalMatrix>(N).solve(b);
   PoseAlignment answer;
   answer.X_AB = Rigid(Quaternion(R_AB->R), positions.head<3>());
   answer.X_QP = Rigid(Quaternion(R_PQ->R).conjugate(), positions.tail<3>());
   return answer;
+}
+
+/// Adds three rows D d = e to the normal equations: D^T D, lower half, and D^T e, by blocks of three.
+inline void add_to_normal(NormalMatrix& N, NormalVector& b, const MatrixOf<double, 3, 12>& D, const Vector3& e,
+                          double weight) {
+  for (int column = 0; column < 12; column += 3) {
+    const Matrix3 weighted = weight * D.block<3, 3>(0, column);
+    b.segment<3>(column) += weighted.transpose() * e;
+    for (int row = column; row < 12; row += 3) {
+      const Matrix3 other = D.block<3, 3>(0, row);
+      N.block<3, 3>(row, column) += other.transpose() * weighted;
+    }
+  }
 }
 
 [[nodiscard]] inline double median(std::vector<double> values) {
@@ -145,23 +160,19 @@ struct PoseResidual {
     // finite.
     const double rotation_size = std::max(align_detail::median(rotation_error), 1e-12);
     const double position_size = std::max(align_detail::median(position_error), 1e-12);
-    align_detail::Matrix12 N = align_detail::Matrix12::Zero();
-    align_detail::Vector12 b = align_detail::Vector12::Zero();
+    align_detail::NormalMatrix N = align_detail::NormalMatrix::Zero(12, 12);
+    align_detail::NormalVector b = align_detail::NormalVector::Zero(12);
     for (std::size_t i = 0; i < n; ++i) {
       const align_detail::PoseResidual r = align_detail::pose_residual(X_AP[i], X_BQ[i], answer->X_AB, answer->X_QP);
-      Eigen::Matrix<double, 6, 12> D =
+      const MatrixOf<double, 6, 12> D =
           align_detail::pose_residual_jacobian(X_BQ[i], answer->X_AB, answer->X_QP, r.rotation);
-      Vector6 e;
-      e << r.rotation / rotation_size, r.position / position_size;
-      D.topRows<3>() /= rotation_size;
-      D.bottomRows<3>() /= position_size;
       const double weight =
           std::min(1.0, 3.0 / std::max(rotation_error[i] / rotation_size, position_error[i] / position_size));
-      N += weight * D.transpose() * D;
-      b += weight * D.transpose() * e;
+      align_detail::add_to_normal(N, b, D.topRows<3>(), r.rotation, weight / (rotation_size * rotation_size));
+      align_detail::add_to_normal(N, b, D.bottomRows<3>(), r.position, weight / (position_size * position_size));
     }
-    const Eigen::LDLT<align_detail::Matrix12> ldlt(N);
-    const align_detail::Vector12 step = ldlt.solve(b);
+    const Eigen::LDLT<align_detail::NormalMatrix> ldlt(N);
+    const align_detail::NormalVector step = ldlt.solve(b);
     if (!step.allFinite()) return std::nullopt;
     const auto moved = [&step](const Rigid& X, int at) {
       const Vector3 turn = step.segment<3>(at);
@@ -170,8 +181,11 @@ struct PoseResidual {
     answer->X_AB = moved(answer->X_AB, 0);
     answer->X_QP = moved(answer->X_QP, 6);
     // Residuals were scaled to a median length of 1 over three numbers each: about 0.65 standard deviations per unit.
-    const align_detail::Vector12 deviation =
-        0.65 * ldlt.solve(align_detail::Matrix12::Identity()).diagonal().cwiseMax(0.0).cwiseSqrt();
+    align_detail::Vector12 deviation;
+    for (int k = 0; k < 12; ++k) {
+      const align_detail::NormalVector column = ldlt.solve(align_detail::NormalVector::Unit(12, k));  // of N^-1
+      deviation[k] = 0.65 * std::sqrt(std::max(column[k], 0.0));
+    }
     answer->deviation_X_AB = deviation.head<6>();
     answer->deviation_X_QP = deviation.tail<6>();
     if (step.norm() < 1e-12) break;

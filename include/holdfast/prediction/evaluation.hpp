@@ -5,8 +5,9 @@
 /// predictor extrapolates over the interval, and the result is compared with the truth at t_i + interval: by default
 /// the recording itself, interpolated (linear, constant rate), or a truth of your own, such as its non-causal 10 Hz
 /// low-pass (001 appendix B).
-///   angle error     angle of R_true^-1 R_predicted (001 section 5.3; its printed 2 cos(qw) means 2 acos(|qw|)),
-///   degrees position error  |p_predicted - p_true|, millimetres
+///   angle error     angle of R_true^-1 R_predicted, degrees (001 section 5.3 prints 2 cos(qw) for 2 acos(|qw|))
+///   position error  |p_predicted - p_true|, millimetres
+///
 /// A sample is left out when a gap (an interval longer than five medians) lies between its velocity's start and its
 /// truth, or when the recording ends before: counted in `skipped`. The order of rows is that of `predictors`.
 /// Precondition: samples' times strictly increase. Bad input: fewer samples than one evaluation needs gives rows of
@@ -20,8 +21,8 @@
 #include <vector>
 
 #include <holdfast/geometry/angle.hpp>
-#include <holdfast/motion/low_pass.hpp>
 #include <holdfast/motion/sampled_trajectory.hpp>
+#include <holdfast/prediction/jitter.hpp>
 #include <holdfast/prediction/predictor.hpp>
 #include <holdfast/tracking/backward_difference.hpp>
 
@@ -56,15 +57,17 @@ struct PredictionError {
 struct PredictorRow {
   Predictor predictor = Predictor::none;
   ErrorSummary angle_deg, position_mm;
-  double jitter_arcmin = 0.0;  ///< orientation error between 3 and 12 Hz, root mean square
+  /// Orientation error between 3 and 12 Hz, root mean square (jitter.hpp). Errors count as evenly spaced by the median
+  /// interval, also across what was skipped. 0 for less than 1 s of them.
+  double jitter_arcmin = 0.0;
   std::vector<PredictionError> errors;
 };
 
 struct EvaluationSettings {
   Duration interval = std::chrono::milliseconds(60);
   Duration velocity_window = std::chrono::microseconds(16700);
-  PredictionLimits limits{
-      std::chrono::hours(1)};  ///< an evaluation shall show what a long interval does, not the clamp
+  /// An evaluation shall show what a long interval does, not the clamp.
+  PredictionLimits limits{std::chrono::hours(1)};
 };
 
 struct PredictorEvaluation {
@@ -119,22 +122,6 @@ struct Stretches {
   return error;
 }
 
-/// Root mean square of what error vectors (rad) hold between 3 and 12 Hz, where jitter is seen (001 appendix D), in arc
-/// minutes. The vectors count as evenly spaced by `interval`, also across what was skipped. Below a rate of 24 Hz all
-/// above 3 Hz counts.
-[[nodiscard]] inline double band_jitter_arcmin(std::span<const Vector3> error_vectors, Duration interval) {
-  const double slow = 3.0 * to_seconds(interval), fast = 12.0 * to_seconds(interval);
-  if (error_vectors.size() < 3 || !(slow > 0.0 && slow < 0.5)) return 0.0;
-  std::vector<Vector7> below(error_vectors.size(), Vector7::Zero());
-  for (std::size_t i = 0; i < below.size(); ++i) below[i].head<3>() = error_vectors[i];
-  std::vector<Vector7> band = below;
-  filter_both_ways(below, slow);
-  if (fast < 0.5) filter_both_ways(band, fast);
-  double sum = 0.0;
-  for (std::size_t i = 0; i < band.size(); ++i) sum += (band[i] - below[i]).squaredNorm();
-  return radians(std::sqrt(sum / static_cast<double>(band.size()))).arcmin();
-}
-
 }  // namespace detail
 
 /// Evaluates every predictor on `samples` against `truth`, whose times must cover the samples'.
@@ -155,6 +142,7 @@ struct Stretches {
   evaluation.skipped = 1;  // the first sample has no velocity
   std::array<std::vector<Vector3>, predictors.size()> error_vectors;
   const Duration usual = median_interval(samples);
+  const double rate_hz = usual > Duration{0} ? 1.0 / to_seconds(usual) : 0.0;
   const detail::Stretches stretches(samples, 5 * usual);
   detail::Walker known(samples), future(truth);
   for (std::size_t i = 1; i < samples.size(); ++i) {
@@ -179,7 +167,7 @@ struct Stretches {
     row.angle_deg = summarize(series);
     std::ranges::transform(row.errors, series.begin(), &PredictionError::position_mm);
     row.position_mm = summarize(series);
-    row.jitter_arcmin = detail::band_jitter_arcmin(error_vectors[k], usual);
+    row.jitter_arcmin = radians(band_rms<3>(error_vectors[k], rate_hz).value_or(0.0)).arcmin();
   }
   return evaluation;
 }

@@ -2,5 +2,6 @@
 #pragma once
 
 #include <holdfast/prediction/evaluation.hpp>
+#include <holdfast/prediction/jitter.hpp>
 #include <holdfast/prediction/predictor.hpp>
 #include <holdfast/prediction/predictor_theory.hpp>

@@ -1,9 +1,9 @@
 /// Predictors: from what the tracker last said to the pose at a display's time, with covariance and a status.
 ///
 ///   none               X(t + T) = X(t)
-///   constant velocity  p(t + T) = p + v_WB T,  R(t + T) = R exp(w_WB_B T)          (000 section 5.3; 001 section 5.2
-///   without its
-///                                                                                   acceleration terms)
+///   constant velocity  p(t + T) = p + v_WB T,  R(t + T) = R exp(w_WB_B T)
+///
+/// (000 section 5.3; 001 section 5.2 without its acceleration terms).
 /// w_WB_B is expressed in B, so turning the whole world leaves the prediction as it is, turned.
 ///
 /// What limits a prediction is stated, never silent: the interval is clamped to PredictionLimits::maximum_interval, and

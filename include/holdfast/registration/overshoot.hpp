@@ -8,6 +8,7 @@
 /// overshoot: nothing.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <span>

@@ -8,7 +8,6 @@
 #include <holdfast/registration/experiment.hpp>
 #include <holdfast/registration/experiment_types.hpp>
 #include <holdfast/registration/fiducial_error.hpp>
-#include <holdfast/registration/jitter.hpp>
 #include <holdfast/registration/latency_types.hpp>
 #include <holdfast/registration/metrics.hpp>
 #include <holdfast/registration/overshoot.hpp>

@@ -10,11 +10,10 @@
 #pragma once
 
 #include <cmath>
-#include <functional>
-#include <numbers>
 #include <optional>
 
 #include <holdfast/optics/eye.hpp>
+#include <holdfast/registration/metrics.hpp>
 #include <holdfast/registration/scene_fiducials.hpp>
 #include <holdfast/timing/display_timing.hpp>
 
@@ -77,8 +76,8 @@ template <typename Pose>
   if (n < rows / 2) return std::nullopt;
   const double spread = yy - y_sum * y_sum / n;
   ScanSkew skew;
-  skew.arcmin = (y_azimuth - y_sum * azimuth_sum / n) / spread * (180.0 * 60.0 / std::numbers::pi);
-  skew.deg = std::atan((y_x - y_sum * x_sum / n) / spread) * (180.0 / std::numbers::pi);
+  skew.arcmin = (y_azimuth - y_sum * azimuth_sum / n) / spread * arcmin_per_rad;
+  skew.deg = std::atan((y_x - y_sum * x_sum / n) / spread) * degrees_per_rad;
   return skew;
 }
 

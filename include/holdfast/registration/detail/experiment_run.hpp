@@ -5,11 +5,11 @@
 #include <cmath>
 #include <vector>
 
+#include <holdfast/prediction/jitter.hpp>
 #include <holdfast/registration/coverage.hpp>
 #include <holdfast/registration/effective_latency.hpp>
 #include <holdfast/registration/expected_values.hpp>
 #include <holdfast/registration/fiducial_error.hpp>
-#include <holdfast/registration/jitter.hpp>
 #include <holdfast/registration/overshoot.hpp>
 #include <holdfast/registration/pipeline_pose.hpp>
 #include <holdfast/registration/scan_skew.hpp>

@@ -74,9 +74,8 @@ namespace detail {
 template <int Rows>
 [[nodiscard]] std::optional<double> band_rms(std::span<const VectorOf<double, Rows>> series, double rate_hz,
                                              const FrequencyBand& band = {}, double segment_s = 4.0) {
-  const auto longest = static_cast<std::size_t>(segment_s * rate_hz);
-  const std::size_t length = std::min(series.size(), longest);
-  if (static_cast<double>(length) < rate_hz || rate_hz < 2.5 * band.low_hz) return std::nullopt;
+  if (!(rate_hz >= 2.5 * band.low_hz) || !(static_cast<double>(series.size()) >= rate_hz)) return std::nullopt;
+  const auto length = static_cast<std::size_t>(std::min(static_cast<double>(series.size()), segment_s * rate_hz));
   double sum = 0.0;
   std::size_t segments = 0;
   std::vector<double> component(length);

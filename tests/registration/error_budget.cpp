@@ -50,6 +50,14 @@ TEST_CASE("a budget without faults is empty") {
   CHECK(budget.position_bound_m.total() == 0.0);
 }
 
+TEST_CASE("a budget of a display that cannot be is empty, and comes to an end") {
+  BudgetSettings settings;
+  settings.experiment.hmd.timing.refresh_hz = 0.0;
+  const RegistrationBudget budget = registration_budget(*make_motion("M4", 1), settings);
+  CHECK(budget.parts.size() == 6);
+  CHECK(budget.sum_arcmin() == 0.0);
+}
+
 TEST_CASE("eq. 5.4 bounds what the displayed pose errs") {
   BudgetSettings settings;
   settings.experiment.motion_name = "M4";

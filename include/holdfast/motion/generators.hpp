@@ -7,8 +7,9 @@
 ///   M4 walk-around              10 s, seeded (head_motions.hpp)
 ///   M5 rotation                 10 s, seeded
 ///   M6 swing                    10 s, seeded
-///   M7 lateral 0.5 m/s           4.8 s: two rounds of passes of 0.3 m at 0.5 m/s with smooth turns of 0.6 s; |x| <=
-///   0.254 m M8 yaw chirp 0.2-10 Hz      20 s, +-2 deg, exponential
+///   M7 lateral 0.5 m/s           4.8 s: two rounds of passes of 0.3 m at 0.5 m/s with smooth turns of 0.6 s; |x| at
+///                                most 0.254 m
+///   M8 yaw chirp 0.2-10 Hz      20 s, +-2 deg, exponential
 ///
 /// The world W is right-handed with +Y up; the head starts near the origin and looks along -Z, where the scene is (0.5
 /// to 2 m). Each begins at HostTime 0 and has exact derivatives. The seed matters for M4-M6 only. Source:

@@ -4,8 +4,9 @@
 /// A point of the panel at `p` is seen at distort(p) (both in tangents of field angle, or both in pixels: the unit is
 /// r_norm's). With q = p - centre and the normalised radius r = |q| / r_norm:
 ///
-///     distort(p) = centre + q (1 + k r^2)                                   000 eq. 7.9.2; k > 0 is pincushion, k < 0
-///     barrel undistort(v) = centre + (v - centre) m,   m + c m^3 = 1,  c = k |v - centre|^2 / r_norm^2
+///     distort(p) = centre + q (1 + k r^2)              000 eq. 7.9.2; k > 0 is pincushion, k < 0 barrel
+///
+///     undistort(v) = centre + (v - centre) m,          m + c m^3 = 1,  c = k |v - centre|^2 / r_norm^2
 ///
 /// The inverse is exact (to rounding): for c < 0 by the trigonometric closed form (Rolland & Hopkins 1993 solve the
 /// same cubic), for c >= 0 by Halley's iteration with a start so near that a fixed number of steps reaches rounding.

@@ -8,6 +8,9 @@
 /// Bad input: directions that the lens cannot show count as missing.
 #pragma once
 
+#include <algorithm>
+#include <optional>
+
 #include <holdfast/optics/eye.hpp>
 
 namespace holdfast {
@@ -17,14 +20,16 @@ namespace holdfast {
 [[nodiscard]] inline double coverage_missing_pct(const EyeModel& eye, LensMode mode, const FieldTangents& rendered,
                                                  const Quaternion& q_SE = Quaternion::Identity()) {
   constexpr int columns = 128, rows = 72;
+  const auto [left, right] = std::minmax({rendered.left, rendered.right});  // swapped where the picture is mirrored
+  const auto [down, up] = std::minmax({rendered.down, rendered.up});
   int missing = 0;
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
       const Vector2 seen(eye.resolution.width * (column + 0.5) / columns, eye.resolution.height * (row + 0.5) / rows);
       const std::optional<Vector2> ideal = ideal_pixel(eye, mode, seen);
       const std::optional<Vector2> source = ideal ? tangent_of_point(q_SE * ray_E(eye, *ideal)) : std::nullopt;
-      const bool covered = source && source->x() >= rendered.left && source->x() <= rendered.right &&
-                           source->y() >= rendered.down && source->y() <= rendered.up;
+      const bool covered =
+          source && source->x() >= left && source->x() <= right && source->y() >= down && source->y() <= up;
       missing += covered ? 0 : 1;
     }
   }

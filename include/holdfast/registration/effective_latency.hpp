@@ -1,29 +1,28 @@
 /// Effective latency: the shift in time that best lays what was displayed over what was true, with its uncertainty.
 ///
 /// The two recordings may have different rates, gaps, and frames that differ by rigid transforms of world and body.
-///  1. Coarse, where frames differ: cross-correlation of the angular speeds |w|, which no choice of frames changes (for
-///  motions
-///     that do not turn: of the speeds |v|), each taken over the same 60 ms baseline. Where frames agree: the mean
-///     squared difference of poses over a grid of shifts, whose minimum is the maximum of the poses' own
+///  1. Coarse, where frames differ: cross-correlation of the angular speeds |w|, which no choice of frames changes
+///     (for motions that do not turn: of the speeds |v|), each taken over the same 60 ms baseline. Where frames agree:
+///     the mean squared difference of poses over a grid of shifts, whose minimum is the maximum of the poses' own
 ///     cross-correlation.
 ///  2. Fine: the recording with the higher rate is splined (C2) and compared at the other's times; the shift is
-///  improved by
-///     Gauss-Newton on the pose differences (rotation and position in units of their medians; outliers lose weight), by
-///     turns with the relation of the frames (align_poses), until it stands still. Periodic motions fit at several
-///     shifts: among equals the smallest in size wins.
+///     improved by Gauss-Newton on the pose differences (rotation and position in units of their medians; outliers
+///     lose weight), by turns with the relation of the frames (align_poses), until it stands still. Periodic motions
+///     fit at several shifts: among equals the smallest in size wins.
 ///  3. Uncertainty: the overlap is cut into K blocks; each gives its own shift d_k with information w_k, and
 ///     u^2 = sum w_k^2 (d_k - d)^2 / (sum w_k)^2 * K / (K - 1). Errors of neighbouring samples hang together, so blocks
 ///     of 2, 4, 8 ... s are tried, down to five blocks, and the largest u counts. What is wrong in the whole recording,
 ///     as a clock's offset, does not show in it.
 /// Source: evaluation.md (effective latency; value 4). Allocates: for evaluation, not for the frame loop.
-/// Bad input: see LatencyStatus. Precondition: times of samples strictly increase.
+/// Bad input: see LatencyStatus. Preconditions: times of samples strictly increase, options are not negative.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <holdfast/motion/spline_trajectory.hpp>
@@ -59,6 +58,7 @@ inline constexpr double coarse_step_s = 0.005;
 }
 
 [[nodiscard]] inline std::vector<double> shift_grid(Duration longest) {
+  HOLDFAST_ASSERT(longest >= Duration{0}, "the longest shift is negative");
   const int n = std::max(1, static_cast<int>(std::ceil(to_seconds(longest) / coarse_step_s)));
   std::vector<double> shifts;
   for (int i = -n; i <= n; ++i) shifts.push_back(i * coarse_step_s);

@@ -14,6 +14,7 @@
 /// input: a source whose experiment cannot be run, or that never shows a fiducial, has zero.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string_view>
@@ -108,6 +109,7 @@ namespace detail {
   measure("viewing", [&](ExperimentSettings& s) { s.believed_hmd = with_ipd(hmd, hmd.ipd_m + settings.ipd_error_m); });
   budget.all = detail::budget_part("all together", motion, all, scene);
 
+  if (find_problem(hmd.timing)) return budget;  // no frames, so no speeds at them
   double turning = 0.0, moving = 0.0;
   const Duration step = frame_period(hmd.timing);
   for (HostTime t = motion.begin(); t <= motion.end(); t += step) {

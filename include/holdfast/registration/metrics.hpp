@@ -4,11 +4,10 @@
 /// ways:
 ///  - px: difference of the two points of the display's picture, right and up positive;
 ///  - rad (arcmin): the true angle between the two rays, not pixels times a constant, with the direction right and up
-///  in the plane
-///    across the real ray: right = ray x up / |ray x up|, up' = right x ray;
+///    in the plane across the real ray: right = ray x up / |ray x up|, up' = right x ray;
 ///  - mm at the fiducial's depth: distance of the two rays' hits on the plane across the eye's axis through the
-///  fiducial, that is
-///    depth times the difference of tangents.
+///    fiducial, that is depth times the difference of tangents.
+///
 /// Source: evaluation.md "Metrics"; Azuma & Bishop 1994 (001) section 5.3 (screen error) and 4.4 (millimetres).
 /// Rays are in the eye frame E (-Z forward), of any length. Bad input: rays across the up axis have no "right"; visible
 /// ones are not.

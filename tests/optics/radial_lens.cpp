@@ -63,6 +63,11 @@ TEST_CASE("the best cubic is about -0.1335 and leaves 2.1 px") {
   // A minimum: worse on both sides.
   CHECK(cubic_residual(helmet, k + 1e-3) > cubic_residual(helmet, k));
   CHECK(cubic_residual(helmet, k - 1e-3) > cubic_residual(helmet, k));
+  // A barrel so strong that only k_pd below -0.18 keeps r = 1 inside its domain has a best one all the same.
+  const RadialLens strong{-0.5, 1.0, Vector2::Zero(), 0.0};
+  const double least = best_cubic_inverse(strong);
+  CHECK(least < -0.18);
+  CHECK(cubic_residual(strong, least) <= cubic_residual(strong, -0.25));
   // No cubic helps a lens that folds well inside r = 1.
   CHECK(best_cubic_inverse(RadialLens{-20.0, 1.0, Vector2::Zero(), 0.0}) == 0.0);
 }

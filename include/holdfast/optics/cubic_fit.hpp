@@ -39,11 +39,15 @@ template <LensModel L>
   for (int i = 0; i < 44; ++i) {
     const double a = high - ratio * (high - low);
     const double b = low + ratio * (high - low);
-    const bool left_is_better = cubic_residual(lens, a) < cubic_residual(lens, b);
+    // Where both leave the lens's domain, the weaker one leaves it less.
+    const bool left_is_better = !(cubic_residual(lens, b) < cubic_residual(lens, a));
     (left_is_better ? high : low) = left_is_better ? b : a;
   }
-  const double best = (low + high) / 2.0;
-  return std::isfinite(cubic_residual(lens, best)) ? best : 0.0;
+  // The best may stand at the domain's very edge; then its weaker side counts.
+  for (const double best : {(low + high) / 2.0, low}) {
+    if (std::isfinite(cubic_residual(lens, best))) return best;
+  }
+  return 0.0;
 }
 
 }  // namespace holdfast

@@ -39,9 +39,10 @@ namespace align_detail {
 
 using Vector12 = VectorOf<double, 12>;
 /// Normal equations, of 6 or of 12 unknowns. One type of bounded size, so that the compiler makes one decomposition,
-/// and unrolls none.
-using NormalMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::DontAlign, 12, 12>;
-using NormalVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::DontAlign, 12, 1>;
+/// and unrolls none. The bound is odd: the members that the decomposition adds are then aligned alike with SSE and AVX.
+using NormalMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::DontAlign, 13, 13>;
+using NormalVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::DontAlign, 13, 1>;
+static_assert(alignof(Eigen::LDLT<NormalMatrix>) == alignof(double) && alignof(SquareSvd) == alignof(double));
 
 /// What one pair of poses says against X_AP = X_AB X_BQ X_QP: rotation (rad) and position (m), both expressed in A.
 struct PoseResidual {

@@ -9,6 +9,7 @@
 #include <optional>
 #include <type_traits>
 
+#include <holdfast/assert.hpp>
 #include <holdfast/geometry/rigid.hpp>
 
 namespace holdfast {

@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <variant>
 
+#include <holdfast/assert.hpp>
 #include <holdfast/geometry/angle.hpp>
 #include <holdfast/geometry/rigid.hpp>
 #include <holdfast/optics/eye.hpp>

@@ -25,6 +25,7 @@
 #include <utility>
 #include <vector>
 
+#include <holdfast/assert.hpp>
 #include <holdfast/motion/spline_trajectory.hpp>
 #include <holdfast/registration/detail/latency_match.hpp>
 #include <holdfast/registration/latency_types.hpp>

@@ -8,8 +8,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include <holdfast/registration/experiment_types.hpp>
 #include <holdfast/registration/metrics.hpp>

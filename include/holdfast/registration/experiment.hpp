@@ -14,6 +14,9 @@
 /// Bad input: ExperimentResult::status and ::problem; the row is then empty.
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include <holdfast/registration/detail/experiment_run.hpp>
 
 namespace holdfast {

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 
 #include <holdfast/motion/motion.hpp>
 #include <holdfast/registration/experiment_types.hpp>

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 
+#include <holdfast/assert.hpp>
 #include <holdfast/motion/motion.hpp>
 #include <holdfast/prediction/predictor.hpp>
 #include <holdfast/registration/experiment_types.hpp>

@@ -20,6 +20,7 @@
 #include <cstdint>
 #include <optional>
 
+#include <holdfast/assert.hpp>
 #include <holdfast/timing/clock_offset.hpp>
 
 namespace holdfast {

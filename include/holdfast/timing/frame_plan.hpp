@@ -13,8 +13,10 @@
 /// mixed up or not aligned).
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
+#include <holdfast/assert.hpp>
 #include <holdfast/timing/display_timing.hpp>
 
 namespace holdfast {

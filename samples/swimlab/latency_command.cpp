@@ -1,4 +1,5 @@
 /// swimlab latency: effective latency and errors of one recording against another.
+#include <cmath>
 #include <cstdio>
 
 #include <holdfast/io/input_error.hpp>
@@ -8,6 +9,7 @@
 
 #include "exit_code.hpp"
 #include "options.hpp"
+#include "output_folder.hpp"
 
 namespace swimlab {
 
@@ -19,6 +21,12 @@ std::vector<TimedPose> samples_of(const std::filesystem::path& file, bool lenien
   io::TrajectoryFile recording = io::read_trajectory(file, lenient ? io::ReadMode::lenient : io::ReadMode::strict);
   std::printf("%s: %s", file.string().c_str(), io::describe(recording.report).c_str());
   return std::move(recording.samples);
+}
+
+[[noreturn]] void refuse(const std::filesystem::path& observed, const std::string& problem) {
+  throw io::InputError({.file = observed.string(),
+                        .problem = "no latency can be told: " + problem,
+                        .expected = "two recordings of one motion on one clock"});
 }
 
 void print_in_words(const LatencyResult& r, FrameRelation frames) {
@@ -51,19 +59,25 @@ void print_in_words(const LatencyResult& r, FrameRelation frames) {
 }  // namespace
 
 int latency(const LatencyCommandOptions& options) {
+  const std::filesystem::path json_file = checked_json_file(options.json);
   const std::vector<TimedPose> reference = samples_of(options.reference, options.lenient);
   const std::vector<TimedPose> observed = samples_of(options.observed, options.lenient);
+  if (reference.back().t < observed.front().t || observed.back().t < reference.front().t) {
+    refuse(options.observed, "the recordings have no time in common");
+  }
   LatencyOptions search;
   search.frames = options.same_frames ? FrameRelation::same : FrameRelation::rigid;
   const LatencyResult result = estimate_latency(reference, observed, search);
-  if (!result.has_latency()) {
-    throw io::InputError({.file = options.observed.string(),
-                          .problem = "no latency can be told: " + std::string(describe(result.status)),
-                          .expected = "two recordings of one motion on one clock"});
+  if (!result.has_latency()) refuse(options.observed, std::string(describe(result.status)));
+  // The best shift of recordings that do not belong together lies anywhere, often at an end of the search.
+  const double longest_ms = 1e3 * to_seconds(search.longest);
+  if (std::abs(result.effective_latency_ms) > 0.999 * longest_ms) {
+    refuse(options.observed,
+           "the best match lies at the end of the search, " + std::to_string(std::lround(longest_ms)) + " ms away");
   }
   print_in_words(result, search.frames);
-  if (!options.json.empty()) {
-    io::write_whole_file(options.json, io::json_text(io::latency_json(result, search.frames)));
+  if (!json_file.empty()) {
+    io::write_whole_file(json_file, io::json_text(io::latency_json(result, search.frames)));
   }
   return done;
 }

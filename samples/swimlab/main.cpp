@@ -7,6 +7,7 @@
 #include <holdfast/rendering/gl_error.hpp>
 
 #include "exit_code.hpp"
+#include "interruption.hpp"
 #include "options.hpp"
 
 namespace {
@@ -41,6 +42,7 @@ int main(int argc, char** argv) {
   swimlab::add_latency_command(app, exit_code);
   try {
     app.parse(argc, argv);
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) return complain("standard output cannot be written");
     return exit_code;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
@@ -51,6 +53,9 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "Try: swimlab %s--help\n",
                  app.get_subcommands().empty() ? "" : (app.get_subcommands().front()->get_name() + " ").c_str());
     return swimlab::wrong_use;
+  } catch (const swimlab::Interrupted& error) {
+    complain(error.what());
+    return error.exit_code();
   } catch (const holdfast::io::InputError& error) {
     return complain(error.what());
   } catch (const holdfast::rendering::RenderingError& error) {

@@ -14,8 +14,14 @@ using holdfast::io::InputError;
 
 namespace {
 
-[[noreturn]] void refuse(const fs::path& target, const std::string& problem, const std::string& expected) {
-  throw InputError({.key = "--out", .problem = problem, .value = target.string(), .expected = expected});
+[[noreturn]] void refuse(const fs::path& target, const std::string& problem, const std::string& expected,
+                         const std::string& option = "--out") {
+  throw InputError({.key = option, .problem = problem, .value = target.string(), .expected = expected});
+}
+
+/// The place that a link names; anything else as it is.
+fs::path followed(const fs::path& path) {
+  return fs::is_symlink(path) ? fs::weakly_canonical(path) : path;
 }
 
 bool is_summary(const fs::path& file) {
@@ -42,13 +48,34 @@ std::string stranger_in(const fs::path& folder) {
 
 }  // namespace
 
+fs::path checked_json_file(const fs::path& file) {
+  if (file.empty()) return file;
+  const std::string expected = "a new or ordinary file in a writable folder";
+  try {
+    const fs::path place = followed(fs::absolute(file));
+    const fs::file_status status = fs::status(place);
+    if (fs::is_directory(status)) refuse(file, "is a folder", expected, "--json");
+    if (fs::exists(status) && !fs::is_regular_file(status)) refuse(file, "is a device or a pipe", expected, "--json");
+    if (fs::is_symlink(place)) refuse(file, "is a link that leads nowhere", expected, "--json");
+    if (!fs::is_directory(place.parent_path())) refuse(file, "lies in no folder that exists", expected, "--json");
+    if (access(place.parent_path().c_str(), W_OK) != 0) refuse(file, "cannot be written", expected, "--json");
+    return place;
+  } catch (const fs::filesystem_error& error) {
+    refuse(file, "cannot be written: " + error.code().message(), expected, "--json");
+  }
+}
+
 OutputFolder::OutputFolder(const fs::path& target) {
   const std::string expected = "a new folder, or one that swimlab run wrote";
   if (target.empty()) refuse(target, "empty", expected);
   target_ = fs::absolute(target).lexically_normal();
   if (!target_.has_filename()) target_ = target_.parent_path();  // "report/" is "report"
-  if (target_ == target_.root_path() || target_ == fs::current_path()) refuse(target, "cannot be replaced", expected);
   try {
+    target_ = followed(target_);  // the folder that a link names is replaced, not the link
+    if (fs::is_symlink(target_)) refuse(target, "is a link that leads nowhere", expected);
+    if (target_ == target_.root_path() || target_ == fs::current_path()) {
+      refuse(target, "cannot be replaced", expected);
+    }
     if (fs::exists(target_)) {
       if (!fs::is_directory(target_)) refuse(target, "is a file", expected);
       const std::string stranger = stranger_in(target_);

@@ -6,6 +6,11 @@
 
 namespace swimlab {
 
+/// Where --json is to be written, checked before the work: a new or an ordinary file, in a writable folder. Links are
+/// followed, and a device or a pipe is refused, for a file is put in place by renaming, which would replace it. Empty
+/// stays empty. Throws io::InputError.
+[[nodiscard]] std::filesystem::path checked_json_file(const std::filesystem::path& file);
+
 class OutputFolder {
  public:
   /// Throws io::InputError (option --out) when `target` cannot be written or is not ours to replace.

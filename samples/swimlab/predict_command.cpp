@@ -9,6 +9,7 @@
 
 #include "exit_code.hpp"
 #include "options.hpp"
+#include "output_folder.hpp"
 
 namespace swimlab {
 
@@ -68,7 +69,7 @@ void print_block(const ResultJson& block) {
     std::printf("  %-18s", row["predictor"].get<std::string>().c_str());
     for (const char* key : {"angle_deg", "position_mm", "screen_px"}) {
       std::printf(" ");
-      for (const char* of : {"mean", "p95", "peak"}) std::printf("%9.3f", row[key][of].get<double>());
+      for (const char* of : {"mean", "p95", "peak"}) std::printf(" %8.3f", row[key][of].get<double>());
     }
     std::printf(" %8.2f\n", row["jitter_arcmin"].get<double>());
   }
@@ -83,6 +84,7 @@ int predict(const PredictOptions& options) {
                           .value = options.imu.string(),
                           .expected = "no --imu: none and constant_velocity need poses alone"});
   }
+  const std::filesystem::path json_file = checked_json_file(options.json);
   const io::TrajectoryFile recording =
       io::read_trajectory(options.trajectory, options.lenient ? io::ReadMode::lenient : io::ReadMode::strict);
   std::printf("%s: %s", options.trajectory.string().c_str(), io::describe(recording.report).c_str());
@@ -103,11 +105,11 @@ int predict(const PredictOptions& options) {
   std::printf("\nnot available yet:");
   for (const char* name : later_predictors) std::printf(" %s", name);
   std::printf("\nscreen px: a point 1 m ahead, in a picture of 1280 pixels over 60 degrees\n");
-  if (options.json.empty()) return done;
+  if (json_file.empty()) return done;
   // One interval: the contract's object. Several: the first one's, with all of them under "intervals".
   ResultJson json = blocks.front();
   if (blocks.size() > 1) json["intervals"] = blocks;
-  io::write_whole_file(options.json, io::json_text(json));
+  io::write_whole_file(json_file, io::json_text(json));
   return done;
 }
 

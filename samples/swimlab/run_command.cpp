@@ -11,6 +11,7 @@
 #include "charts.hpp"
 #include "checks.hpp"
 #include "exit_code.hpp"
+#include "interruption.hpp"
 #include "motions.hpp"
 #include "options.hpp"
 #include "output_folder.hpp"
@@ -228,10 +229,12 @@ ResultJson environment_json(const Studio& studio, const HmdModel& hmd) {
 }  // namespace
 
 int run(const RunOptions& options) {
+  const std::filesystem::path json_file = checked_json_file(options.json);
   const HmdModel hmd = headset(options);
   const std::vector<ChosenMotion> motions = load_motions(options);
   const std::vector<Task> tasks = tasks_of(options, motions, hmd);
   OutputFolder folder(options.out);
+  const InterruptionWatch interruption;
   const RegistrationScene scene = default_registration_scene();
   Studio studio(options.backend, scene, options.model);
   RowRunner runner(studio, scene);
@@ -245,6 +248,7 @@ int run(const RunOptions& options) {
   std::vector<RowResult> results;
   double encode_ms = 0.0;
   for (std::size_t i = 0; i < tasks.size(); ++i) {
+    interruption.check();
     const Task& task = tasks[i];
     progress.show(i + 1, task.motion->id + " " + std::string(holdfast::name_of(task.settings.pipeline)));
     PicturePlan plan;
@@ -284,8 +288,9 @@ int run(const RunOptions& options) {
   summary["timing"]["report_ms"] = report_ms;
   io::write_whole_file(folder.path() / "rows.csv", io::rows_csv(rows));
   io::write_whole_file(folder.path() / "summary.json", io::json_text(summary));
+  interruption.check();
   folder.commit();
-  if (!options.json.empty()) io::write_whole_file(options.json, io::json_text(summary));
+  if (!json_file.empty()) io::write_whole_file(json_file, io::json_text(summary));
   progress.finish();
 
   print_rows(results);

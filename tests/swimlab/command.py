@@ -5,9 +5,11 @@ import json
 import math
 import os
 import pathlib
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 SWIMLAB = None
@@ -111,6 +113,55 @@ class BadUse(Case):
         (self.dir / "file").write_text("x")
         self.refused(["run", "--motion", "M0", "--out", "file"], "--out", "is a file")
         self.assertEqual((other / "thesis.txt").read_text(), "years of work")
+
+    def test_a_bad_place_for_json_is_told_before_the_work(self):
+        write_motion(self.dir / "m.tum")
+        (self.dir / "lost").symlink_to("nowhere")
+        os.mkfifo(self.dir / "pipe")
+        for command in [["run", "--motion", "M0", "--out", "r"], ["predict", "m.tum"], ["latency", "m.tum", "m.tum"]]:
+            for place, problem in [("none/x.json", "no folder"), (".", "is a folder"), ("pipe", "a pipe"),
+                                   ("lost", "leads nowhere"), ("m.tum/x.json", "")]:
+                with self.subTest(command=command[0], place=place):
+                    self.refused([*command, "--json", place], "--json", place, problem)
+        self.assertTrue((self.dir / "pipe").is_fifo())
+
+    def test_links_are_followed_not_replaced(self):
+        write_motion(self.dir / "m.tum")
+        (self.dir / "real.json").write_text("old")
+        (self.dir / "link.json").symlink_to("real.json")
+        answer = swimlab("predict", "m.tum", "--json", "link.json", cwd=self.dir)
+        self.assertEqual(answer.returncode, 0, answer.stderr)
+        self.assertTrue((self.dir / "link.json").is_symlink())
+        self.assertIn("holdfast/predict/1", (self.dir / "real.json").read_text())
+        (self.dir / "report").mkdir()
+        (self.dir / "latest").symlink_to("report")
+        answer = swimlab("run", "--motion", "M0", "--size", "64x64", "--out", "latest", cwd=self.dir)
+        self.assertEqual(answer.returncode, 0, answer.stderr)
+        self.assertTrue((self.dir / "latest").is_symlink())
+        self.assertTrue((self.dir / "report/report.html").exists())
+
+    def test_an_interrupted_run_leaves_nothing(self):
+        for asked in [signal.SIGINT, signal.SIGTERM]:
+            with self.subTest(signal=asked.name):
+                process = subprocess.Popen([SWIMLAB, "run", "--full", "--size", "320x180", "--out", "r"], cwd=self.dir,
+                                           stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                                           # A test started in the background ignores SIGINT, and its children do too.
+                                           preexec_fn=lambda: signal.signal(asked, signal.SIG_DFL))
+                while process.poll() is None and not list(self.dir.glob("r.unfinished-*/pictures/*")):
+                    time.sleep(0.05)
+                process.send_signal(asked)
+                _, words = process.communicate(timeout=60)
+                self.assertEqual(process.returncode, 128 + asked, words)
+                self.assertIn("interrupted", words)
+                self.assertEqual(list(self.dir.iterdir()), [])
+
+    @unittest.skipUnless(os.path.exists("/dev/full"), "no /dev/full here")
+    def test_words_that_cannot_be_written_are_not_done(self):
+        write_motion(self.dir / "m.tum")
+        with open("/dev/full", "w") as full:
+            answer = subprocess.run([SWIMLAB, "predict", self.dir / "m.tum"], stdout=full, stderr=subprocess.PIPE, text=True)
+        self.assertEqual(answer.returncode, 2)
+        self.assertIn("standard output", answer.stderr)
 
     def test_help_has_an_example(self):
         for command in ["run", "predict", "latency"]:
@@ -225,6 +276,17 @@ class Latency(Case):
         for key in ["rms", "p95", "peak"]:
             self.assertLess(result["angle_deg"][key], 0.01)
             self.assertLess(result["position_mm"][key], 0.1)
+
+    def test_recordings_that_do_not_belong_together(self):
+        write_motion(self.dir / "truth.tum")
+        still = ["%.6f 0 1.6 0 0 0 0 1" % (100 + i / 90) for i in range(1000)]
+        (self.dir / "still.tum").write_text("\n".join(still) + "\n")
+        lines = (self.dir / "truth.tum").read_text().splitlines()
+        later = ["%.9f %s" % (float(line.split(" ", 1)[0]) + 50, line.split(" ", 1)[1]) for line in lines]
+        (self.dir / "later.tum").write_text("\n".join(later) + "\n")
+        self.refused(["latency", "truth.tum", "later.tum", "--json", "l.json"], "later.tum", "no time in common")
+        self.refused(["latency", "truth.tum", "still.tum", "--json", "l.json"], "still.tum", "no latency can be told")
+        self.refused(["latency", "still.tum", "truth.tum", "--json", "l.json"], "truth.tum", "no latency can be told")
 
     def test_real_headset_against_the_robot_that_moved_it(self):
         head = pathlib.Path(RECORDINGS) / "head"

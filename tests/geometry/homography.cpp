@@ -17,13 +17,6 @@ Rigid random_small_motion(std::mt19937& random) {
 }
 }  // namespace
 
-TEST_CASE("tangents: right is +x, up is +y, ahead is -Z") {
-  CHECK((*tangents_of_point(Vector3(1, 2, -4)) - Vector2(0.25, 0.5)).norm() == 0.0);
-  CHECK_FALSE(tangents_of_point(Vector3(1, 2, 4)));
-  CHECK_FALSE(tangents_of_point(Vector3(1, 2, 0)));
-  CHECK((direction_of_tangents(Vector2(0.25, 0.5)) - Vector3(0.25, 0.5, -1)).norm() == 0.0);
-}
-
 TEST_CASE("a turned eye sees points at any distance where the homography says") {
   std::mt19937 random(41);
   for (int i = 0; i < 20; ++i) {

@@ -9,5 +9,6 @@
 #include <holdfast/geometry/rays_planes.hpp>
 #include <holdfast/geometry/rigid.hpp>
 #include <holdfast/geometry/so3.hpp>
+#include <holdfast/geometry/tangents_of_point.hpp>
 #include <holdfast/geometry/types.hpp>
 #include <holdfast/geometry/vqs.hpp>

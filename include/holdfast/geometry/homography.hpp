@@ -16,19 +16,9 @@
 #include <Eigen/LU>
 
 #include <holdfast/geometry/rays_planes.hpp>
+#include <holdfast/geometry/tangents_of_point.hpp>
 
 namespace holdfast {
-
-/// Direction (not unit) of tangents t: (t_x, t_y, -1).
-[[nodiscard]] inline Vector3 direction_of_tangents(const Vector2& t) {
-  return {t.x(), t.y(), -1.0};
-}
-
-/// Tangents of a point or direction in an eye's frame; nothing when it is not ahead of the eye (z >= 0).
-[[nodiscard]] inline std::optional<Vector2> tangents_of_point(const Vector3& p_E) {
-  if (!(p_E.z() < 0.0)) return std::nullopt;
-  return Vector2(p_E.x() / -p_E.z(), p_E.y() / -p_E.z());
-}
 
 class Homography {
  public:

@@ -17,6 +17,7 @@
 
 #include <holdfast/assert.hpp>
 #include <holdfast/geometry/rigid.hpp>
+#include <holdfast/geometry/tangents_of_point.hpp>
 #include <holdfast/optics/lens.hpp>
 #include <holdfast/optics/projection.hpp>
 #include <holdfast/optics/tangents.hpp>
@@ -84,15 +85,9 @@ struct EyeModel {
   return {t.left + pixel.x() / s.x(), t.down + pixel.y() / s.y()};
 }
 
-/// Tangent (x, y) of a point's direction; nothing at or behind the eye's plane.
-[[nodiscard]] inline std::optional<Vector2> tangent_of_point(const Vector3& p_E) {
-  if (!(p_E.z() < 0.0) || !p_E.allFinite()) return std::nullopt;
-  return Vector2(-p_E.x() / p_E.z(), -p_E.y() / p_E.z());
-}
-
 /// Ideal pixel of a point; nothing at or behind the eye's plane. The pixel may lie outside the picture: see is_inside.
 [[nodiscard]] inline std::optional<Vector2> project(const EyeModel& eye, const Vector3& p_E) {
-  const std::optional<Vector2> tangent = tangent_of_point(p_E);
+  const std::optional<Vector2> tangent = tangents_of_point(p_E);
   if (!tangent) return std::nullopt;
   return pixel_of_tangent(eye, *tangent);
 }
@@ -114,8 +109,7 @@ struct EyeModel {
 
 /// Direction (unit length, in E) in which an ideal pixel is seen.
 [[nodiscard]] inline Vector3 ray_E(const EyeModel& eye, const Vector2& pixel) {
-  const Vector2 tangent = tangent_of_pixel(eye, pixel);
-  return Vector3(tangent.x(), tangent.y(), -1.0).normalized();
+  return direction_of_tangents(tangent_of_pixel(eye, pixel)).normalized();
 }
 
 /// Angle between the directions of two ideal pixels; accurate for the smallest.

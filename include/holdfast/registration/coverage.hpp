@@ -27,7 +27,7 @@ namespace holdfast {
     for (int column = 0; column < columns; ++column) {
       const Vector2 seen(eye.resolution.width * (column + 0.5) / columns, eye.resolution.height * (row + 0.5) / rows);
       const std::optional<Vector2> ideal = ideal_pixel(eye, mode, seen);
-      const std::optional<Vector2> source = ideal ? tangent_of_point(q_SE * ray_E(eye, *ideal)) : std::nullopt;
+      const std::optional<Vector2> source = ideal ? tangents_of_point(q_SE * ray_E(eye, *ideal)) : std::nullopt;
       const bool covered =
           source && source->x() >= left && source->x() <= right && source->y() >= down && source->y() <= up;
       missing += covered ? 0 : 1;

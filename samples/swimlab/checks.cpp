@@ -86,7 +86,7 @@ void add_perfect_registration(std::vector<Check>& checks, Studio& studio, const 
     const auto X_WE_at = [&](double) { return frame.X_WE_true; };
     studio.draw_real(eye, settings.lens, settings.hmd.timing, X_WE_at, style, Smooth::no, real);
     studio.draw_virtual(eye, settings.lens, frame.X_WE_displayed, style, Smooth::no, drawn);
-    compare_centroids(eye, scene, frame, real, drawn, errors);
+    compare_centroids(eye, settings.lens, scene, frame, real, drawn, errors);
   }
   checks.push_back({5, "the same in the picture: disc centroids against the projected ellipses, RMS", "px", 0.02, 0.0,
                     errors.rms().value_or(1e3), true});

@@ -34,23 +34,49 @@ std::vector<std::uint8_t> green_of(const io::Image& image) {
   return green;
 }
 
-/// A window that shows nothing but one disc: no other disc's box, in either picture, reaches into it.
-bool is_alone(const std::vector<std::optional<ProjectedEllipse>>& discs, std::size_t disc, double margin_px) {
-  const Vector2 centre = discs[disc]->centroid;
-  const Vector2 reach = discs[disc]->half_extent_px + Vector2::Constant(margin_px);
-  for (std::size_t i = 0; i < discs.size(); ++i) {
-    if (i == disc || !discs[i]) continue;
-    const Vector2 apart = (discs[i]->centroid - centre).cwiseAbs() - discs[i]->half_extent_px - reach;
-    if (apart.maxCoeff() < 0.0) return false;
+/// The box round a disc in a picture, px.
+struct Box {
+  Vector2 low, high;
+};
+using Boxes = std::vector<std::optional<Box>>;
+
+/// Round a disc as it is seen through the lens: an uncorrected one magnifies towards the edge, and may push discs
+/// together or out of the picture. Nothing where part of the disc is not seen.
+std::optional<Box> seen_box(const EyeModel& eye, LensMode lens, const ProjectedEllipse& disc) {
+  Box box{disc.centroid, disc.centroid};
+  bool first = true;
+  for (const double x : {-1.0, 0.0, 1.0}) {
+    for (const double y : {-1.0, 0.0, 1.0}) {
+      const auto seen = seen_pixel(eye, lens, disc.centroid + Vector2(x, y).cwiseProduct(disc.half_extent_px));
+      if (!seen) return std::nullopt;
+      box.low = first ? *seen : Vector2(box.low.cwiseMin(*seen));
+      box.high = first ? *seen : Vector2(box.high.cwiseMax(*seen));
+      first = false;
+    }
+  }
+  return box;
+}
+
+/// Whole in the picture, and no other disc's box reaches into its own with the margin.
+bool is_alone(const Boxes& boxes, std::size_t disc, double margin_px, PixelSize size) {
+  if (!boxes[disc]) return false;
+  const Box own = *boxes[disc];
+  if (own.low.minCoeff() < 0.0 || own.high.x() > size.width || own.high.y() > size.height) return false;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    if (i == disc || !boxes[i]) continue;
+    const Vector2 apart = (boxes[i]->low - own.high).cwiseMax(own.low - boxes[i]->high);
+    if (apart.maxCoeff() < margin_px) return false;
   }
   return true;
 }
 
-std::vector<std::optional<ProjectedEllipse>> all_discs(const EyeModel& eye, const RegistrationScene& scene,
-                                                       const Rigid& X_WE) {
-  std::vector<std::optional<ProjectedEllipse>> discs;
-  for (const Disc& disc : scene.discs) discs.push_back(project_disc(eye, X_WE, disc));
-  return discs;
+Boxes all_boxes(const EyeModel& eye, LensMode lens, const RegistrationScene& scene, const Rigid& X_WE) {
+  Boxes boxes;
+  for (const Disc& disc : scene.discs) {
+    const auto projected = project_disc(eye, X_WE, disc);
+    boxes.push_back(projected ? seen_box(eye, lens, *projected) : std::nullopt);
+  }
+  return boxes;
 }
 
 }  // namespace
@@ -76,12 +102,12 @@ io::Image smaller(const io::Image& image, int factor) {
   return result;
 }
 
-void compare_centroids(const EyeModel& eye, const RegistrationScene& scene, const FrameRecord& frame,
+void compare_centroids(const EyeModel& eye, LensMode lens, const RegistrationScene& scene, const FrameRecord& frame,
                        const io::Image& real, const io::Image& drawn, CentroidErrors& errors) {
-  // Lenses move discs by more than they bend them: a wide margin keeps neighbours out of the window.
+  // A rolling display shears discs, and a lens bends them: a wide margin keeps neighbours out of the window.
   constexpr double margin_px = 4.0, keep_apart_px = 12.0;
-  const auto real_discs = all_discs(eye, scene, frame.X_WE_true);
-  const auto drawn_discs = all_discs(eye, scene, frame.X_WE_displayed);
+  const Boxes real_boxes = all_boxes(eye, LensMode::none, scene, frame.X_WE_true);
+  const Boxes drawn_boxes = all_boxes(eye, lens, scene, frame.X_WE_displayed);
   const std::vector<std::uint8_t> green = eye.lens_red || eye.lens_blue ? green_of(drawn) : std::vector<std::uint8_t>();
   const PictureView real_view{real.rgba, real.width, real.height, 4};
   const PictureView drawn_view = green.empty() ? PictureView{drawn.rgba, drawn.width, drawn.height, 4}
@@ -91,11 +117,14 @@ void compare_centroids(const EyeModel& eye, const RegistrationScene& scene, cons
     if (found) errors.add((found->centroid - expected).norm());
   };
   for (const FiducialRecord& f : frame.fiducials) {
-    if (!f.visible || !is_alone(real_discs, f.disc, keep_apart_px) || !is_alone(drawn_discs, f.disc, keep_apart_px)) {
+    if (!f.visible || !is_alone(real_boxes, f.disc, keep_apart_px, eye.resolution) ||
+        !is_alone(drawn_boxes, f.disc, keep_apart_px, eye.resolution)) {
       continue;
     }
-    measure(real_view, f.c_real, real_discs[f.disc]->half_extent_px);
-    measure(drawn_view, f.c_virtual, 1.15 * drawn_discs[f.disc]->half_extent_px);
+    const Box& real_box = *real_boxes[f.disc];
+    const Box& drawn_box = *drawn_boxes[f.disc];
+    measure(real_view, f.c_real, 0.5 * (real_box.high - real_box.low));
+    measure(drawn_view, f.c_virtual, (drawn_box.high - f.c_virtual).cwiseMax(f.c_virtual - drawn_box.low));
   }
 }
 
@@ -106,7 +135,7 @@ void RowRunner::measure(const Motion& motion, const ExperimentSettings& settings
   const rendering::SceneStyle style = rendering::disc_measuring_style();
   studio_.draw_real(eye, settings.lens, settings.hmd.timing, X_WE_at, style, Smooth::no, real_);
   studio_.draw_virtual(eye, settings.lens, frame.X_WE_displayed, style, Smooth::no, drawn_);
-  compare_centroids(eye, scene_, frame, real_, drawn_, errors);
+  compare_centroids(eye, settings.lens, scene_, frame, real_, drawn_, errors);
 }
 
 PictureFrame RowRunner::picture(const Motion& motion, const ExperimentSettings& settings, const FrameRecord& frame,

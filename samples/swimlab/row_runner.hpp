@@ -63,7 +63,7 @@ struct CentroidErrors {
 };
 
 /// Measures both pictures' discs of a frame (drawn in disc_measuring_style) against the record.
-void compare_centroids(const holdfast::EyeModel& eye, const holdfast::RegistrationScene& scene,
+void compare_centroids(const holdfast::EyeModel& eye, holdfast::LensMode lens, const holdfast::RegistrationScene& scene,
                        const holdfast::FrameRecord& frame, const holdfast::io::Image& real,
                        const holdfast::io::Image& drawn, CentroidErrors& errors);
 

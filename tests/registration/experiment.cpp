@@ -312,6 +312,7 @@ TEST_CASE("the observer sees every frame, in order and at the refresh") {
     times.push_back(frame.t_display);
   });
   CHECK(row.frames == 30);
+  CHECK(row.verdict != Verdict::fail);  // a third of a second of M1 shows no peak, and need not
   REQUIRE(times.size() == 30);
   CHECK(to_seconds(times.back() - times.front()) == doctest::Approx(29.0 / 90.0).epsilon(1e-6));
   const auto motion = make_motion("M1", 1);

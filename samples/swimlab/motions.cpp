@@ -49,6 +49,7 @@ ChosenMotion recorded_motion(const std::string& file, const RunOptions& options)
   about.precision(3);
   about << "A recording of " << to_seconds(recording.report.duration) << " s at " << recording.report.rate_hz()
         << " Hz, brought into the scene by its mean pose. Velocity is the difference of two poses 16.7 ms apart.";
+  if (recording.report.gaps > 0) about << " Its gaps are bridged by straight motion at a constant rate.";
   std::vector<TimedPose> samples = brought_into_scene(std::move(recording.samples));
   if (options.low_pass_hz > 0.0) {
     samples = zero_phase_low_pass(samples, options.low_pass_hz);

@@ -163,23 +163,24 @@ void add_run_command(CLI::App& app, const std::string& command_line, int& exit_c
   std::string names;
   for (const MotionName& name : motion_names()) names += "\n  " + std::string(name.id) + "  " + std::string(name.title);
   add_words(run_app, "--motion", words->motions,
-            "Motions: M0 to M8 (below) or recordings (TUM, EuRoC, CSV); M1,M3,M4,M7");
-  add_words(run_app, "--pipeline", words->pipelines, "P0 no prediction, P1 constant velocity; P0,P1");
-  add_words(run_app, "--latency-ms", words->latencies, "From the tracker's measurement to the middle of scan-out; 60");
-  add_words(run_app, "--eye", words->eyes, "left, right or both; left");
-  add_words(run_app, "--lens", words->lenses, "none, exact, cubic, uncorrected; none,exact");
-  add_words(run_app, "--display", words->displays, "global or rolling; as the headset says");
+            "Motions: M0 to M8 (below) or recordings (TUM, EuRoC, CSV); default M1,M3,M4,M7");
+  add_words(run_app, "--pipeline", words->pipelines, "P0 no prediction, P1 constant velocity; default P0,P1");
+  add_words(run_app, "--latency-ms", words->latencies,
+            "From the tracker's measurement to the middle of scan-out; default 60");
+  add_words(run_app, "--eye", words->eyes, "left, right or both; default left");
+  add_words(run_app, "--lens", words->lenses, "none, exact, cubic, uncorrected; default none,exact");
+  add_words(run_app, "--display", words->displays, "global or rolling; default as the headset says");
   run_app.add_option("--late-ms", words->late,
-                     "Late pose before scan-out; used by pipelines that deflect (from P4); 3");
+                     "Late pose before scan-out; used by pipelines that deflect (from P4); default 3");
   run_app.add_option("--low-pass-hz", words->low_pass,
-                     "Recordings: what is faster is noise, not the head (zero phase; 0: keep all); 10");
+                     "Recordings: what is faster is noise, not the head (zero phase; 0: keep all); default 10");
   run_app.add_option("--hmd", words->hmd, "Headset descriptor (assets/hmds/*.json)")->type_name("FILE");
   run_app.add_option("--model", words->model, "Draw this model too: anything assimp reads")->type_name("FILE");
-  run_app.add_option("--size", words->size, "Pixels of one eye's picture; 1280x720")->type_name("WxH");
+  run_app.add_option("--size", words->size, "Pixels of one eye's picture; default 1280x720")->type_name("WxH");
   run_app.add_flag("--full", words->full, "Every motion, eye, lens, latency and display: minutes, not seconds");
-  run_app.add_option("--seed", words->seed, "Of the random motions M4 to M6; 1")->type_name("N");
+  run_app.add_option("--seed", words->seed, "Of the random motions M4 to M6; default 1")->type_name("N");
   run_app.add_option("--backend", words->backend, "OpenGL without a window: " + rendering::built_backend_names());
-  run_app.add_option("--out", words->out, "Folder for the report; out/swimlab")->type_name("DIR");
+  run_app.add_option("--out", words->out, "Folder for the report; default out/swimlab")->type_name("DIR");
   run_app.add_flag("--lenient", words->lenient, "Drop and count bad rows of a recording instead of stopping");
   add_json(run_app, words->json);
   run_app.footer("Motions:" + names +
@@ -199,7 +200,7 @@ void add_predict_command(CLI::App& app, int& exit_code) {
   predict_app.add_option("TRAJECTORY", given->trajectory, "Recorded poses: TUM, EuRoC or CSV")->required();
   predict_app.add_option("--imu", given->imu, "Inertial measurements (for predictors that are not available yet)")
       ->type_name("FILE");
-  add_words(predict_app, "--interval-ms", given->intervals, "How far ahead; 60");
+  add_words(predict_app, "--interval-ms", given->intervals, "How far ahead; default 60");
   predict_app.add_flag("--lenient", given->lenient, "Drop and count bad rows instead of stopping");
   add_json(predict_app, given->json);
   predict_app.footer("Example:\n  swimlab predict head.tum --interval-ms 20,60,100 --json predict.json");

@@ -32,11 +32,18 @@ namespace holdfast::io {
   return text;
 }
 
-/// Writes beside the place and renames: readers see the old file or the whole new one.
+/// Writes beside the place and renames: readers see the old file or the whole new one. A link is followed. What is no
+/// file (a folder, a device, a pipe) is refused: renaming onto it would replace it.
 inline void write_whole_file(const std::filesystem::path& path, std::string_view bytes) {
-  std::filesystem::path unfinished = path;
-  unfinished += ".unfinished";
   std::error_code error;
+  const std::filesystem::path target =
+      std::filesystem::is_symlink(path, error) ? std::filesystem::weakly_canonical(path, error) : path;
+  const std::filesystem::file_status status = std::filesystem::status(target, error);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    throw InputError({.file = path.string(), .problem = "is no file", .expected = "a file, or a place for a new one"});
+  }
+  std::filesystem::path unfinished = target;
+  unfinished += ".unfinished";
   {
     std::ofstream file(unfinished, std::ios::binary | std::ios::trunc);
     file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
@@ -47,7 +54,7 @@ inline void write_whole_file(const std::filesystem::path& path, std::string_view
           {.file = path.string(), .problem = "cannot be written", .expected = "a writable place with room"});
     }
   }
-  std::filesystem::rename(unfinished, path, error);
+  std::filesystem::rename(unfinished, target, error);
   if (!error) return;
   const std::string reason = error.message();
   std::filesystem::remove(unfinished, error);

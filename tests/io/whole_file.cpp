@@ -1,0 +1,50 @@
+#include <filesystem>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include <holdfast/io/whole_file.hpp>
+
+using namespace holdfast;
+namespace fs = std::filesystem;
+
+namespace {
+
+struct ScratchFolder {
+  fs::path path = fs::temp_directory_path() / "holdfast_whole_file_test";
+  ScratchFolder() {
+    fs::remove_all(path);
+    fs::create_directories(path);
+  }
+  ~ScratchFolder() { fs::remove_all(path); }
+};
+
+}  // namespace
+
+TEST_CASE("a whole file comes back byte by byte and leaves nothing beside it") {
+  const ScratchFolder folder;
+  const std::string bytes("one\r\ntwo\0three\xff", 15);
+  io::write_whole_file(folder.path / "a", "old and longer than what follows");
+  io::write_whole_file(folder.path / "a", bytes);
+  CHECK(io::read_whole_file(folder.path / "a") == bytes);
+  CHECK(std::distance(fs::directory_iterator(folder.path), fs::directory_iterator()) == 1);
+}
+
+TEST_CASE("a link is followed, not replaced") {
+  const ScratchFolder folder;
+  io::write_whole_file(folder.path / "real", "old");
+  fs::create_symlink(folder.path / "real", folder.path / "link");
+  io::write_whole_file(folder.path / "link", "new");
+  CHECK(fs::is_symlink(folder.path / "link"));
+  CHECK(io::read_whole_file(folder.path / "real") == "new");
+}
+
+TEST_CASE("what is no file is refused and stays what it is") {
+  const ScratchFolder folder;
+  CHECK_THROWS_AS(io::write_whole_file(folder.path, "x"), io::InputError);
+  CHECK_THROWS_AS(io::write_whole_file("/dev/null", "x"), io::InputError);
+  CHECK(fs::is_character_file("/dev/null"));
+  CHECK_THROWS_AS(io::write_whole_file(folder.path / "absent" / "a", "x"), io::InputError);
+  CHECK_THROWS_AS(static_cast<void>(io::read_whole_file(folder.path)), io::InputError);
+  CHECK_THROWS_AS(static_cast<void>(io::read_whole_file(folder.path / "absent")), io::InputError);
+}

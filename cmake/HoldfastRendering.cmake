@@ -75,6 +75,6 @@ holdfast_generate_glad("${holdfast_glad_header}")
 holdfast_generate_shaders("${holdfast_shaders_header}")
 
 # io/image.hpp is a plain struct without dependencies: pictures can be read back without libpng.
-holdfast_add_component(rendering FOLDERS rendering/*.hpp io/image.hpp
+holdfast_add_component(rendering FOLDERS rendering HEADERS io/image.hpp
   GENERATED "${holdfast_glad_header}" "${holdfast_shaders_header}")
 target_link_libraries(holdfast_rendering INTERFACE holdfast_core holdfast_gl::backends)

@@ -35,6 +35,11 @@ struct YawSine {
 
 namespace detail {
 
+/// A sine cannot tell a longer shift from a shorter one of the other sign.
+[[nodiscard]] inline double half_period_s(const YawSine& sine) {
+  return 0.5 / sine.hz;
+}
+
 struct Expectations {
   const ExperimentSettings& settings;
   std::vector<ExpectedValue> values;
@@ -44,7 +49,7 @@ struct Expectations {
   }
 };
 
-inline void expect_yaw_sine(Expectations& e, const YawSine& sine, double latency_s, double period_s) {
+inline void expect_yaw_sine(Expectations& e, const YawSine& sine, double latency_s, double period_s, double span_s) {
   const theory::Order order =
       e.settings.pipeline == Pipeline::p0 ? theory::Order::none : theory::Order::constant_velocity;
   const double error = sine.amplitude_arcmin * theory::error(order, sine.hz, latency_s);
@@ -52,10 +57,12 @@ inline void expect_yaw_sine(Expectations& e, const YawSine& sine, double latency
   const double missed = 1.0 - std::cos(std::numbers::pi * sine.hz * period_s) + 1e-6;
   e.add("pose.peak_yaw_arcmin", error, missed * error + 1e-6);
   e.add("pose.peak_swim_deg_s", swim, missed * swim + 1e-6);
-  if (order != theory::Order::none && latency_s > 0.0) {
-    // A gain above 1 pulls the best shift a little where the frames do not hold whole periods.
+  if (order != theory::Order::none && latency_s > 0.0 && latency_s < half_period_s(sine)) {
+    // A gain g above 1 pulls the best shift by up to (g - 1) / (w^2 span) where the frames do not hold whole periods.
     const double lag_ms = 1e3 * theory::lag_s(order, sine.hz, latency_s);
-    e.add("effective_latency_ms", lag_ms, 0.06 * std::abs(lag_ms) + 0.02);
+    const double w = 2.0 * std::numbers::pi * sine.hz;
+    const double pull_ms = 1e3 * (theory::gain(order, sine.hz, latency_s) - 1.0) / (w * w * span_s);
+    e.add("effective_latency_ms", lag_ms, pull_ms + 1e-3);
   }
 }
 
@@ -87,8 +94,8 @@ inline void expect_ramp(Expectations& e, double latency_s, double period_s) {
 
 }  // namespace detail
 
-/// What theory demands of `settings`; the members `measured` are still zero.
-[[nodiscard]] inline std::vector<ExpectedValue> expected_values(const ExperimentSettings& settings) {
+/// What theory demands of `settings` over frames that span `span_s`; the members `measured` are still zero.
+[[nodiscard]] inline std::vector<ExpectedValue> expected_values(const ExperimentSettings& settings, double span_s) {
   detail::Expectations e{settings, {}};
   const bool exact_tracker = settings.X_HT.q().vec().norm() == 0.0 && settings.X_HT.p().norm() == 0.0;
   if (!exact_tracker) return e.values;  // a constant error adds itself to every peak
@@ -103,18 +110,21 @@ inline void expect_ramp(Expectations& e, double latency_s, double period_s) {
   if (good_optics && (motion == "M0" || (latency_s == 0.0 && at_once))) e.add("registration.peak_px", 0.0, 1e-9);
   const bool whole = settings.frames == 0;  // a motion cut short need not reach its peaks
   const std::optional<YawSine> sine = whole ? yaw_sine_of(motion) : std::nullopt;
-  if (sine && exact_velocity) detail::expect_yaw_sine(e, *sine, latency_s, period_s);
+  if (sine && exact_velocity) detail::expect_yaw_sine(e, *sine, latency_s, period_s, span_s);
   if (motion == "M3" && whole) detail::expect_ramp(e, latency_s, period_s);
   // The fastest stretch is 0.6 s of 0.5 m/s: longer than the latency, the whole of it is at full speed.
   if (motion == "M7" && p0 && whole && latency_s < 0.5) e.add("pose.peak_position_mm", 500.0 * latency_s, 1e-3);
-  if (p0 && motion != "M0") e.add("effective_latency_ms", 1e3 * latency_s, 0.1);
+  const std::optional<YawSine> periodic = yaw_sine_of(motion);
+  const bool tells_shift = !periodic || latency_s < detail::half_period_s(*periodic);
+  if (p0 && motion != "M0" && tells_shift) e.add("effective_latency_ms", 1e3 * latency_s, 0.1);
   return e.values;
 }
 
 /// Fills in the row's expectations from its own columns and judges: fail when one does not hold, none without any.
 inline void judge(ExperimentRow& row, const ExperimentSettings& settings) {
   row.expected.clear();
-  for (ExpectedValue value : expected_values(settings)) {
+  const double span_s = static_cast<double>(row.frames) / settings.hmd.timing.refresh_hz;
+  for (ExpectedValue value : expected_values(settings, span_s)) {
     const std::optional<double> measured = detail::measured_value(row, value.name);
     if (!measured) continue;  // the column has no value here, for example as nothing was in view
     value.measured = *measured;

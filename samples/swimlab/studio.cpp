@@ -89,9 +89,9 @@ void Studio::draw_real(const EyeModel& eye, LensMode lens, const DisplayTiming& 
   if (timing.scan_out == ScanOut::global) {
     paint({.eye = &eye, .X_WE = X_WE_at(0.0)}, style);
   } else {
-    draw_rolling(target, bands, [&](const Band& band) {
-      const Vector2 middle(0.5 * eye.resolution.width, band.middle_y_px);
-      paint({.eye = &eye, .X_WE = X_WE_at(light_seconds(eye, timing, lens, middle)), .rows = band.rows}, style);
+    draw_rolling(target, timing.scan_direction, bands, [&](const Band& band) {
+      const Rigid X_WE = X_WE_at(light_seconds(eye, timing, lens, band.middle_px));
+      paint({.eye = &eye, .X_WE = X_WE, .part = band.part}, style);
     });
   }
   target.read_rgba(result);

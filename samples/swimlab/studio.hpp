@@ -35,7 +35,7 @@ class Studio {
   void draw_virtual(const holdfast::EyeModel& eye, holdfast::LensMode lens, const holdfast::Rigid& X_WE,
                     const holdfast::rendering::SceneStyle& style, Smooth smooth, holdfast::io::Image& result);
 
-  /// The world: under a rolling scan-out row by row (in bands of about 8 rows) as it is when the row is lit. `X_WE_at`
+  /// The world: under a rolling scan-out line by line (in bands of about 8 lines) as it is when the line is lit. `X_WE_at`
   /// takes seconds from the middle of scan-out.
   void draw_real(const holdfast::EyeModel& eye, holdfast::LensMode lens, const holdfast::DisplayTiming& timing,
                  const std::function<holdfast::Rigid(double)>& X_WE_at, const holdfast::rendering::SceneStyle& style,

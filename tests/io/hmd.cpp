@@ -174,14 +174,14 @@ TEST_CASE("the display's timing survives, and its phase is not the headset's") {
   hmd.timing.scan_duration = Duration(11'111'111);
   hmd.timing.persistence = Duration(1'999'999);
   hmd.timing.internal_delay = Duration(3'141'593);
-  hmd.timing.top_to_bottom = false;
+  hmd.timing.scan_direction = ScanDirection::right_to_left;
   hmd.timing.refresh_hz = 59.94;
   const HmdModel back = reread(hmd);
   CHECK(back.timing.scan_out == ScanOut::rolling);
   CHECK(back.timing.scan_duration == hmd.timing.scan_duration);
   CHECK(back.timing.persistence == hmd.timing.persistence);
   CHECK(back.timing.internal_delay == hmd.timing.internal_delay);
-  CHECK(back.timing.top_to_bottom == false);
+  CHECK(back.timing.scan_direction == ScanDirection::right_to_left);
   CHECK(back.timing.refresh_hz == 59.94);
 }
 

@@ -7,14 +7,19 @@ using namespace pictures;
 TEST_CASE("bands cover a picture without gap or overlap") {
   for (const int height : {1, 7, 720}) {
     for (const int n : {1, 2, 5, 7}) {
-      int at = 0;
+      int row = 0, column = 0;
       for (int i = 0; i < n; ++i) {
-        const Band band = band_of(height, n, i);
-        CHECK(band.rows.first == at);
-        CHECK(band.middle_y_px == doctest::Approx(0.5 * (band.rows.first + band.rows.end)));
-        at = band.rows.end;
+        const Band rows = band_of({33, height}, ScanDirection::top_to_bottom, n, i);
+        CHECK(rows.part == PixelRectangle{0, row, 33, rows.part.top});
+        CHECK(rows.middle_px == Vector2(16.5, 0.5 * (row + rows.part.top)));
+        row = rows.part.top;
+        const Band columns = band_of({height, 33}, ScanDirection::right_to_left, n, i);
+        CHECK(columns.part == PixelRectangle{column, 0, columns.part.right, 33});
+        CHECK(columns.middle_px == Vector2(0.5 * (column + columns.part.right), 16.5));
+        column = columns.part.right;
       }
-      CHECK(at == height);
+      CHECK(row == height);
+      CHECK(column == height);
     }
   }
 }
@@ -23,16 +28,18 @@ TEST_CASE("in bands of one pose the picture is the one drawn at once") {
   for (const int samples : {1, 4}) {
     Studio studio(built_backends().front(), default_hmd().left, samples);
     const io::Image whole = studio.draw(studio.eye.X_HE, virtual_style());
-    for (const int bands : {1, 7, 90}) {
-      studio.target.clear();
-      draw_rolling(studio.target, bands, [&](const Band& band) {
-        View view = studio.view(studio.eye.X_HE);
-        view.rows = band.rows;
-        studio.painter.draw(view, virtual_style());
-      });
-      const ImageDifference d = compare(studio.target.read_rgba(), whole);
-      INFO(describe(d));
-      CHECK(d.max == 0);
+    for (const ScanDirection direction : {ScanDirection::top_to_bottom, ScanDirection::left_to_right}) {
+      for (const int bands : {1, 7, 90}) {
+        studio.target.clear();
+        draw_rolling(studio.target, direction, bands, [&](const Band& band) {
+          View view = studio.view(studio.eye.X_HE);
+          view.part = band.part;
+          studio.painter.draw(view, virtual_style());
+        });
+        const ImageDifference d = compare(studio.target.read_rgba(), whole);
+        INFO(describe(d));
+        CHECK(d.max == 0);
+      }
     }
   }
 }
@@ -52,11 +59,11 @@ TEST_CASE("a rolling scan-out of 11.1 ms at 100 deg/s tilts the upright edge by 
       .refresh_hz = 90.0, .scan_out = ScanOut::rolling, .scan_duration = std::chrono::microseconds(11100)};
   const double rate = degrees(100.0).radians();
   studio.target.clear();
-  draw_rolling(studio.target, 720, [&](const Band& band) {
-    const double fraction = line_fraction_of_row(timing, band.middle_y_px, 720.0);
+  draw_rolling(studio.target, timing.scan_direction, 720, [&](const Band& band) {
+    const double fraction = line_fraction_of_pixel(timing.scan_direction, band.middle_px, Vector2(1280.0, 720.0));
     const double t = line_seconds_from_middle(timing, fraction);
     View view = studio.view(Rigid::rotation(so3::exp<double>(Vector3(0.0, rate * t, 0.0))));
-    view.rows = band.rows;
+    view.part = band.part;
     studio.painter.draw(view, style);
   });
   const auto line = picture_edge(look_at(studio.target.read_rgba()), {600, 0, 680, 720});

@@ -51,12 +51,21 @@ TEST_CASE("next_vsync is the first at or after") {
 
 TEST_CASE("rows count from the bottom, lines from where the scan starts") {
   DisplayTiming timing = rolling();
-  CHECK(line_fraction_of_row(timing, 720, 720) == 0.0);
-  CHECK(line_fraction_of_row(timing, 0, 720) == 1.0);
-  CHECK(line_fraction_of_row(timing, 180, 720) == 0.75);
-  timing.top_to_bottom = false;
-  CHECK(line_fraction_of_row(timing, 720, 720) == 1.0);
-  CHECK(line_fraction_of_row(timing, 180, 720) == 0.25);
+  const Vector2 size(1280.0, 720.0);
+  const auto line = [&](ScanDirection direction, double x, double y) {
+    return line_fraction_of_pixel(direction, Vector2(x, y), size);
+  };
+  CHECK(line(ScanDirection::top_to_bottom, 33, 720) == 0.0);
+  CHECK(line(ScanDirection::top_to_bottom, 700, 0) == 1.0);
+  CHECK(line(ScanDirection::top_to_bottom, 33, 180) == 0.75);
+  CHECK(line(ScanDirection::bottom_to_top, 33, 720) == 1.0);
+  CHECK(line(ScanDirection::bottom_to_top, 33, 180) == 0.25);
+  CHECK(line(ScanDirection::left_to_right, 0, 33) == 0.0);
+  CHECK(line(ScanDirection::left_to_right, 320, 700) == 0.25);
+  CHECK(line(ScanDirection::right_to_left, 0, 33) == 1.0);
+  CHECK(line(ScanDirection::right_to_left, 320, 33) == 0.75);
+  CHECK(is_sideways(ScanDirection::right_to_left));
+  CHECK_FALSE(is_sideways(timing.scan_direction));
 }
 
 TEST_CASE("rolling: lines run from half the scan before the middle to half after") {
@@ -78,17 +87,17 @@ TEST_CASE("global: every line has the middle's time, whatever the scan duration 
 TEST_CASE("light of a line: delay, place in the scan, persistence") {
   const DisplayTiming timing = rolling();
   const HostTime vsync = vsync_at(timing, 5);
-  const LightInterval top = light_of_row(timing, vsync, 720, 720);
+  const LightInterval top = light_of_pixel(timing, vsync, {10, 720}, {1280, 720});
   CHECK(top.begin - vsync == 3ms);  // the first line lights after the internal delay
   CHECK(top.end - top.begin == 2ms);
   CHECK(top.middle - top.begin == 1ms);
-  const LightInterval bottom = light_of_row(timing, vsync, 0, 720);
+  const LightInterval bottom = light_of_pixel(timing, vsync, {10, 0}, {1280, 720});
   CHECK(bottom.begin - top.begin == 11100us);
   CHECK(middle_of_scan_out(timing, vsync) == light_of_line(timing, vsync, 0.5).middle);
   CHECK(middle_of_scan_out(timing, vsync) - vsync == 3ms + 5550us + 1ms);
   DisplayTiming upward = timing;
-  upward.top_to_bottom = false;
-  CHECK(light_of_row(upward, vsync, 0, 720).begin == top.begin);
+  upward.scan_direction = ScanDirection::bottom_to_top;
+  CHECK(light_of_pixel(upward, vsync, {10, 0}, {1280, 720}).begin == top.begin);
 }
 
 TEST_CASE("evaluation.md value 9: 11.1 ms at 100 deg/s is 66.6 arcmin top to bottom") {

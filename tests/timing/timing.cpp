@@ -16,7 +16,7 @@ TEST_CASE("the samples of docs/timing.md do what they say") {
   display.refresh_hz = 90;
   display.scan_out = ScanOut::rolling;
   display.scan_duration = 11100us;
-  const LightInterval light = light_of_row(display, next_vsync(display, b), 700.0, 720.0);
+  const LightInterval light = light_of_pixel(display, next_vsync(display, b), {640.0, 700.0}, {1280.0, 720.0});
   CHECK(to_milliseconds(light.middle - next_vsync(display, b)) == doctest::Approx(11.1 * 20 / 720).epsilon(1e-5));
 
   FramePlanSettings settings;

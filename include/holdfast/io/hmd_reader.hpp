@@ -188,7 +188,8 @@ inline DisplayTiming read_timing(const JsonNode& node) {
   timing.persistence = duration("persistence_ms");
   timing.internal_delay = duration("internal_delay_ms");
   if (const auto direction = node.find("scan_direction")) {
-    timing.top_to_bottom = direction->choice({"top_to_bottom", "bottom_to_top"}) == 0;
+    timing.scan_direction =
+        scan_directions.at(direction->choice({"top_to_bottom", "bottom_to_top", "left_to_right", "right_to_left"}));
   }
   if (const auto problem = find_problem(timing)) {
     node.fail("the display's timing is impossible in " + std::string(problem->member), std::string(problem->expected));

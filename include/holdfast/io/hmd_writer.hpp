@@ -62,7 +62,7 @@ inline OrderedJson timing_json(const DisplayTiming& timing) {
           {"scan_duration_ms", to_milliseconds(timing.scan_duration)},
           {"persistence_ms", to_milliseconds(timing.persistence)},
           {"internal_delay_ms", to_milliseconds(timing.internal_delay)},
-          {"scan_direction", timing.top_to_bottom ? "top_to_bottom" : "bottom_to_top"}};
+          {"scan_direction", name_of(timing.scan_direction)}};
 }
 
 }  // namespace detail

@@ -23,7 +23,8 @@ namespace holdfast {
   if (timing.scan_out == ScanOut::global) return 0.0;
   const std::optional<Vector2> panel = lens == LensMode::none ? seen : drawn_pixel(eye, LensMode::exact, seen);
   if (!panel) return 0.0;
-  return line_seconds_from_middle(timing, line_fraction_of_row(timing, panel->y(), eye.resolution.height));
+  const Vector2 size(eye.resolution.width, eye.resolution.height);
+  return line_seconds_from_middle(timing, line_fraction_of_pixel(timing.scan_direction, *panel, size));
 }
 
 /// The real disc's ellipse in the picture that is scanned out round t_display.

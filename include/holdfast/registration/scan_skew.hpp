@@ -5,8 +5,9 @@
 /// forward plane, atan of the horizontal tangent) at which the virtual and the real edge cross that row at the time of
 /// that row, and a line is fitted through their difference. For a head that yaws at w the skew from top to bottom is w
 /// times the scan duration, wherever the edge stands: 100 deg/s and 11.1 ms give 66.6 arcmin (evaluation.md, value 9).
-/// Rows are those of a panel without lens: px from the bottom. Bad input: an edge that does not cross the middle half
-/// of the picture has no skew: nothing.
+/// Rows are those of a panel without lens: px from the bottom. A display that lights columns one after another shifts an
+/// upright edge and does not tilt it: nothing. Bad input: an edge that does not cross the middle half of the picture has
+/// no skew: nothing.
 #pragma once
 
 #include <cmath>
@@ -50,12 +51,14 @@ template <typename Pose>
                                                 const DisplayTiming& timing, const Rigid& X_WE_displayed,
                                                 const Pose& X_WE_true) {
   constexpr int rows = 16;
-  const double height = eye.resolution.height;
+  if (is_sideways(timing.scan_direction)) return std::nullopt;
+  const double width = eye.resolution.width, height = eye.resolution.height;
   double n = 0.0, y_sum = 0.0, yy = 0.0, azimuth_sum = 0.0, y_azimuth = 0.0, x_sum = 0.0, y_x = 0.0;
   for (int i = 0; i < rows; ++i) {
     const double y = height * (i + 0.5) / rows;
     const double tan_y = tangent_of_pixel(eye, Vector2(0.0, y)).y();
-    const double t = line_seconds_from_middle(timing, line_fraction_of_row(timing, y, height));
+    const double line = line_fraction_of_pixel(timing.scan_direction, Vector2(0.0, y), Vector2(width, height));
+    const double t = line_seconds_from_middle(timing, line);
     const std::optional<double> shown = detail::edge_crossing(edge, X_WE_displayed, tan_y);
     const std::optional<double> real = detail::edge_crossing(edge, X_WE_true(t), tan_y);
     if (!shown || !real) continue;

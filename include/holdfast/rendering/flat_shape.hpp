@@ -91,8 +91,8 @@ struct FlatShape {
   const Vector2 high = shape.kind == FlatShape::Kind::board ? shape.cells : Vector2(1.0, 1.0);
   if (is_out_of_view(view, X_EW * shape.centre_W(), shape.reach_m())) return std::nullopt;
   const PixelSize size = view.eye->resolution;
-  const double first_row = std::max(0, view.rows.first);
-  const double end_row = std::min(size.height, view.rows.end);
+  const double left = std::max(0, view.part.left), right = std::min(size.width, view.part.right);
+  const double bottom = std::max(0, view.part.bottom), top = std::min(size.height, view.part.top);
   Vector2 least(1e9, 1e9), most(-1e9, -1e9);
   int behind = 0;
   for (const int corner : {0, 1, 2, 3}) {
@@ -108,10 +108,10 @@ struct FlatShape {
     most = most.cwiseMax(*pixel);
   }
   if (behind == 4) return std::nullopt;
-  Vector4 bounds(0.0, first_row, size.width, end_row);
+  Vector4 bounds(left, bottom, right, top);
   if (behind == 0) {
-    bounds << std::max(0.0, std::floor(least.x()) - 2.0), std::max(first_row, std::floor(least.y()) - 2.0),
-        std::min<double>(size.width, std::ceil(most.x()) + 2.0), std::min(end_row, std::ceil(most.y()) + 2.0);
+    bounds << std::max(left, std::floor(least.x()) - 2.0), std::max(bottom, std::floor(least.y()) - 2.0),
+        std::min(right, std::ceil(most.x()) + 2.0), std::min(top, std::ceil(most.y()) + 2.0);
   }
   if (bounds[0] >= bounds[2] || bounds[1] >= bounds[3]) return std::nullopt;
   return bounds;

@@ -11,17 +11,21 @@
 
 namespace holdfast::rendering {
 
-/// Rows first <= y < end, counted from the bottom.
-struct RowRange {
-  int first = 0;
-  int end = std::numeric_limits<int>::max();
+/// Pixels left <= x < right, bottom <= y < top, counted from the lower left.
+struct PixelRectangle {
+  int left = 0;
+  int bottom = 0;
+  int right = std::numeric_limits<int>::max();
+  int top = std::numeric_limits<int>::max();
+
+  friend bool operator==(const PixelRectangle&, const PixelRectangle&) = default;
 };
 
 struct View {
   const EyeModel* eye = nullptr;  ///< not owned; must live while the view is used
-  Rigid X_WE = {};                     ///< p_W = X_WE * p_E
+  Rigid X_WE = {};                ///< p_W = X_WE * p_E
   ClipPlanes clip{0.02, 200.0};
-  RowRange rows = {};  ///< only these rows are needed (a band of a rolling display); the rest may be left undrawn
+  PixelRectangle part = {};  ///< only this is needed (a band of a rolling display); the rest may be left undrawn
 };
 
 [[nodiscard]] inline Matrix4 projection_matrix(const View& view) {

@@ -4,17 +4,20 @@
 /// display lights all lines together; a rolling one lights them one after another over `scan_duration`. Each line
 /// shines for `persistence`. The time of a line is the middle of its light, and the time of a frame is that of the line
 /// half way through the scan: what evaluation.md calls the middle of scan-out and OpenXR calls predictedDisplayTime.
-/// Line fraction: 0 at the picture edge that is scanned first, 1 at the edge scanned last; rows are continuous pixels
-/// from the picture's BOTTOM (pixel centres at half integers). Outside [0, 1] is extrapolated. Bad input:
+/// Line fraction: 0 at the picture edge that is scanned first, 1 at the edge scanned last. Pixels are continuous, from
+/// the picture's lower left (centres at half integers). Outside [0, 1] is extrapolated. Bad input:
 /// `find_problem` names what is wrong with a description; the other functions want a description without problem.
 #pragma once
 
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string_view>
 
 #include <holdfast/assert.hpp>
+#include <holdfast/geometry/types.hpp>
 #include <holdfast/timing/clock.hpp>
 
 namespace holdfast {
@@ -24,12 +27,27 @@ enum class ScanOut {
   rolling,  ///< lines light one after another
 };
 
+/// The way in which a rolling display lights its lines: rows one after another, or columns (a panel built in turned).
+enum class ScanDirection { top_to_bottom, bottom_to_top, left_to_right, right_to_left };
+
+inline constexpr std::array scan_directions{ScanDirection::top_to_bottom, ScanDirection::bottom_to_top,
+                                            ScanDirection::left_to_right, ScanDirection::right_to_left};
+
+[[nodiscard]] constexpr std::string_view name_of(ScanDirection direction) {
+  constexpr std::string_view names[] = {"top_to_bottom", "bottom_to_top", "left_to_right", "right_to_left"};
+  return names[static_cast<std::size_t>(direction)];
+}
+
+[[nodiscard]] constexpr bool is_sideways(ScanDirection direction) {
+  return direction == ScanDirection::left_to_right || direction == ScanDirection::right_to_left;
+}
+
 struct DisplayTiming {
   double refresh_hz = 90.0;
   ScanOut scan_out = ScanOut::global;
   Duration scan_duration{0};  ///< rolling: from the light of the first line to that of the last; global: not used
   Duration persistence{0};    ///< how long one line shines
-  bool top_to_bottom = true;  ///< rolling: the top line is lit first
+  ScanDirection scan_direction = ScanDirection::top_to_bottom;  ///< rolling: which line is lit first
   Duration internal_delay{
       0};  ///< from vsync to the first light: what the device buffers or, when global, loads before the flash
   HostTime first_vsync{};  ///< any one vsync; it is number 0
@@ -86,11 +104,20 @@ struct DisplayTimingProblem {
   return vsync_at(timing, next_vsync_number(timing, t));
 }
 
-/// Line fraction of height y (px from the picture's bottom) in a picture of `height_px` lines.
-[[nodiscard]] inline double line_fraction_of_row(const DisplayTiming& timing, double y_px, double height_px) {
-  HOLDFAST_ASSERT(height_px > 0.0, "picture without lines");
-  const double from_bottom = y_px / height_px;
-  return timing.top_to_bottom ? 1.0 - from_bottom : from_bottom;
+/// Line fraction of a pixel in a picture of `size` (width, height) px.
+[[nodiscard]] inline double line_fraction_of_pixel(ScanDirection direction, const Vector2& pixel, const Vector2& size) {
+  HOLDFAST_ASSERT(size.x() > 0.0 && size.y() > 0.0, "picture without lines");
+  switch (direction) {
+    case ScanDirection::top_to_bottom:
+      break;
+    case ScanDirection::bottom_to_top:
+      return pixel.y() / size.y();
+    case ScanDirection::left_to_right:
+      return pixel.x() / size.x();
+    case ScanDirection::right_to_left:
+      return 1.0 - pixel.x() / size.x();
+  }
+  return 1.0 - pixel.y() / size.y();
 }
 
 /// Seconds from the middle of the frame's scan-out to the light of a line: negative for lines lit before the middle.
@@ -127,10 +154,10 @@ struct LightInterval {
   return {begin, middle, begin + timing.persistence};
 }
 
-/// Light of height y (px from the picture's bottom) in the frame that starts at `vsync`.
-[[nodiscard]] inline LightInterval light_of_row(const DisplayTiming& timing, HostTime vsync, double y_px,
-                                                double height_px) {
-  return light_of_line(timing, vsync, line_fraction_of_row(timing, y_px, height_px));
+/// Light of a pixel of a picture of `size` (width, height) px in the frame that starts at `vsync`.
+[[nodiscard]] inline LightInterval light_of_pixel(const DisplayTiming& timing, HostTime vsync, const Vector2& pixel,
+                                                  const Vector2& size) {
+  return light_of_line(timing, vsync, line_fraction_of_pixel(timing.scan_direction, pixel, size));
 }
 
 }  // namespace holdfast

@@ -21,9 +21,9 @@ double y_of(double px) {
   return top + height * (highest - std::log10(std::max(px, 1e-14))) / (highest - lowest);
 }
 
-void curve(const RadialLens& lens, LensMode mode, const char* color, const char* name, int row) {
+void curve(const Lens& lens, LensMode mode, const char* color, const char* name, int row) {
   const auto residual = [&](double r) -> std::optional<double> {
-    const Vector2 ideal(0.6 * r * lens.r_norm, 0.8 * r * lens.r_norm);
+    const Vector2 ideal = r * Vector2(0.6, 0.8).cwiseProduct(lens.placement().scale);
     const auto seen = seen_tangent(lens, mode, ideal);
     return seen ? std::optional<double>((*seen - ideal).norm()) : std::nullopt;
   };
@@ -48,7 +48,7 @@ void curve(const RadialLens& lens, LensMode mode, const char* color, const char*
 }  // namespace
 
 int main() {
-  RadialLens lens{0.1933, 256.0, Vector2::Zero(), -0.1};  // table 8.1, in pixels
+  const Lens lens(RadialLens{0.1933}, placed_at(256.0), -0.1);  // table 8.1, in pixels
   std::printf(
       "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 720 410' font-family='sans-serif' font-size='14'>\n"
       "<rect width='720' height='410' fill='white'/>\n");
@@ -77,8 +77,8 @@ int main() {
   std::printf("<text x='%.0f' y='%.1f' fill='#666'>what we allow: 1e-6 px</text>\n", left + 8, tolerance_y - 6);
   curve(lens, LensMode::uncorrected, "#b00020", "uncorrected", 0);
   curve(lens, LensMode::cubic, "#c77700", "the paper's cubic, k_pd = -0.1: folds over at 1.826", 1);
-  lens.k_pd = best_cubic_inverse(lens);
-  curve(lens, LensMode::cubic, "#00695c", "the best cubic up to r = 1, k_pd = -0.134: folds over at 1.578", 2);
+  curve(with_best_cubic(lens), LensMode::cubic, "#00695c",
+        "the best cubic up to r = 1, k_pd = -0.134: folds over at 1.578", 2);
   curve(lens, LensMode::exact, "#1a4fb5", "exact inverse", 3);
   std::printf("</svg>\n");
 }

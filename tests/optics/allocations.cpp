@@ -30,7 +30,7 @@ using namespace holdfast;
 
 TEST_CASE("projection, rays and lenses allocate nothing") {
   HmdModel hmd = default_hmd();
-  hmd.right.lens = PolynomialLens(std::array<double, 2>{0.22, 0.24}, 0.9);
+  hmd.right.lens = Lens(PolynomialLens(std::array<double, 2>{0.22, 0.24}), placed_at(0.9));
   double sum = 0.0;
   const std::size_t before = allocations;
   for (const EyeSide side : {EyeSide::left, EyeSide::right}) {
@@ -42,7 +42,7 @@ TEST_CASE("projection, rays and lenses allocate nothing") {
       sum += seen_pixel(eye, mode, pixel).value().sum() + ideal_pixel(eye, mode, pixel).value().sum();
       sum += drawn_pixel(eye, mode, pixel).value().sum() + ideal_pixel_at_panel(eye, mode, pixel).value().sum();
     }
-    sum += distort_jacobian(eye.lens, Vector2(0.1, 0.2)).sum();
+    sum += eye.lens.distort_jacobian(Vector2(0.1, 0.2)).sum();
   }
   const std::size_t after = allocations;
   CHECK(after == before);

@@ -128,7 +128,7 @@ TEST_CASE("the angle between pixels is accurate for tiny and large angles") {
 TEST_CASE("seen, drawn and ideal pixels under each mode") {
   EyeModel eye = make_eye();
   const double r_norm = 0.5;
-  eye.lens = RadialLens{0.1933, r_norm, Vector2::Zero(), -0.1};
+  eye.lens = Lens(RadialLens{0.1933}, placed_at(r_norm), -0.1);
   const Vector2 ideal(600, 480);
   CHECK((seen_pixel(eye, LensMode::none, ideal).value() - ideal).norm() < 1e-12);
   CHECK((seen_pixel(eye, LensMode::exact, ideal).value() - ideal).norm() < 1e-11);
@@ -149,7 +149,7 @@ TEST_CASE("seen, drawn and ideal pixels under each mode") {
 
 TEST_CASE("exact correction holds over the whole picture, upside down or not") {
   EyeModel eye = make_eye();
-  eye.lens = RadialLens{0.1933, 0.5, Vector2(0.03, -0.02), -0.1};
+  eye.lens = Lens(RadialLens{0.1933}, placed_at(0.5, Vector2(0.03, -0.02)), -0.1);
   for (const bool upside_down : {false, true}) {
     eye.upside_down = upside_down;
     double worst = 0.0;
@@ -165,8 +165,8 @@ TEST_CASE("exact correction holds over the whole picture, upside down or not") {
 
 TEST_CASE("each colour has its lens, or the common one") {
   EyeModel eye = make_eye();
-  eye.lens = RadialLens{0.2, 0.5, Vector2::Zero(), 0.0};
-  eye.lens_blue = RadialLens{0.25, 0.5, Vector2::Zero(), 0.0};
+  eye.lens = Lens(RadialLens{0.2}, placed_at(0.5));
+  eye.lens_blue = Lens(RadialLens{0.25}, placed_at(0.5));
   const Vector2 ideal(600, 480);
   const auto seen = [&](Color c) { return seen_pixel(eye, LensMode::uncorrected, ideal, c).value(); };
   CHECK(seen(Color::red) == seen(Color::green));
@@ -177,10 +177,10 @@ TEST_CASE("each colour has its lens, or the common one") {
 TEST_CASE("the seen field is the panel's edges through the lens") {
   EyeModel eye = make_eye();
   CHECK(seen_field(eye).value() == eye.tangents);
-  eye.lens = RadialLens{0.1933, 0.5, Vector2::Zero(), 0.0};
+  eye.lens = Lens(RadialLens{0.1933}, placed_at(0.5));
   const FieldTangents seen = seen_field(eye).value();
   CHECK(seen.left == doctest::Approx(-0.8 * (1 + 0.1933 * 2.56)).epsilon(1e-14));
   CHECK(seen.down == doctest::Approx(-0.5 * 1.1933).epsilon(1e-14));
-  eye.lens = RadialLens{-0.2, 0.5, Vector2::Zero(), 0.0};  // folds at 0.645, inside the left edge
+  eye.lens = Lens(RadialLens{-0.2}, placed_at(0.5));  // folds at 0.645, inside the left edge
   CHECK_FALSE(seen_field(eye).has_value());
 }

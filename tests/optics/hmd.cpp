@@ -14,7 +14,7 @@ HmdModel flight_helmet() {
   hmd.left.tangents = tangents_of(VirtualImage{1.57, 1.19, -1.18, -0.187, 0.0}).value();
   hmd.left.image_distance_m = 1.18;
   hmd.left.eye_relief_m = 0.025;
-  hmd.left.lens = RadialLens{0.1933, 0.5, Vector2::Zero(), -0.1};
+  hmd.left.lens = Lens(RadialLens{0.1933}, placed_at(0.5), -0.1);
   hmd.right = mirrored(hmd.left);
   return hmd;
 }
@@ -77,7 +77,7 @@ TEST_CASE("another IPD moves x_cw as figure 7.3 says, and the lens's axis with i
   CHECK(image.w_x == doctest::Approx(1.57).epsilon(1e-12));
   CHECK(image_of(wide.right.tangents, -1.18).x_cw == doctest::Approx(0.187 - 0.005).epsilon(1e-12));
   // The axis of the lens stays at its pixel: optics do not move on the panel.
-  const auto axis_px = [](const EyeModel& eye) { return pixel_of_tangent(eye, std::get<RadialLens>(eye.lens).centre); };
+  const auto axis_px = [](const EyeModel& eye) { return pixel_of_tangent(eye, eye.lens.centre()); };
   CHECK((axis_px(wide.left) - axis_px(hmd.left)).norm() < 1e-10);
   // Back again, nothing is left of the change.
   const HmdModel back = with_ipd(wide, 0.062);
@@ -126,17 +126,17 @@ TEST_CASE("another resolution keeps the field") {
 TEST_CASE("mirroring an eye twice gives it back") {
   EyeModel eye = flight_helmet().left;
   eye.X_HE = eye_pose(EyeSide::left, 0.062, degrees(15), degrees(3));
-  eye.lens = PolynomialLens(std::array<double, 2>{0.2, 0.1}, 0.8, Vector2(0.05, 0.02), -0.1, 1.01);
-  eye.lens_red = RadialLens{0.1, 0.4, Vector2(0.06, 0.01), 0.0};
+  eye.lens = Lens(PolynomialLens(std::array<double, 2>{0.2, 0.1}, 1.01), placed_at(0.8, Vector2(0.05, 0.02)), -0.1);
+  eye.lens_red = Lens(RadialLens{0.1}, placed_at(0.4, Vector2(0.06, 0.01)));
   const EyeModel other = mirrored(eye);
   CHECK(other.side == EyeSide::right);
-  CHECK(std::get<PolynomialLens>(other.lens).centre() == Vector2(-0.05, 0.02));
-  CHECK(std::get<RadialLens>(*other.lens_red).centre == Vector2(-0.06, 0.01));
+  CHECK(other.lens.centre() == Vector2(-0.05, 0.02));
+  CHECK(other.lens_red->centre() == Vector2(-0.06, 0.01));
   CHECK_FALSE(other.lens_blue.has_value());
   const EyeModel back = mirrored(other);
   CHECK(back.tangents == eye.tangents);
   CHECK((back.X_HE.p() - eye.X_HE.p()).norm() == 0.0);
-  CHECK(std::get<PolynomialLens>(back.lens).centre() == std::get<PolynomialLens>(eye.lens).centre());
+  CHECK(back.lens.placement() == eye.lens.placement());
   // A point and its reflection have reflected pixels.
   const Vector3 p_H(0.2, 0.1, -1.5);
   const Vector2 a = project(eye, eye.X_HE.inverse() * p_H).value();

@@ -144,7 +144,7 @@ TEST_CASE("the paper's cubic leaves 10.5 px at r = 1 (value 6)") {
   eye.resolution = {640, 512};
   eye.tangents = {-1.25, 1.25, -1.0, 1.0};
   eye.X_HE = Rigid();
-  eye.lens = RadialLens{0.1933, 1.0, Vector2::Zero(), -0.1};
+  eye.lens = Lens(RadialLens{0.1933}, {}, -0.1);
   settings.lens = LensMode::cubic;
   RegistrationScene scene = default_registration_scene();
   Disc disc;

@@ -112,36 +112,45 @@ inline Rigid read_pose(const JsonNode& node) {
   return settled(q_HE, p_HE);
 }
 
-inline Lens read_lens(const JsonNode& node) {
+/// The model alone; the keys of every model's placement are read by read_lens.
+inline Lens read_lens_model(const JsonNode& node) {
   constexpr double largest_k = 1000.0;
   switch (node.at("model").choice({"none", "radial", "polynomial"})) {
     case 0:
       node.allow_only({"model"});
       return NoLens{};
     case 1:
-      node.allow_only({"model", "k", "k_pd", "r_norm", "centre"});
-      break;
+      node.allow_only({"model", "k", "k_pd", "r_norm", "scale", "centre"});
+      return RadialLens{node.at("k").number(-largest_k, largest_k)};
     default:
-      node.allow_only({"model", "k0", "coefficients", "k_pd", "r_norm", "centre"});
+      node.allow_only({"model", "k0", "coefficients", "k_pd", "r_norm", "scale", "centre"});
       break;
-  }
-  const double r_norm = node.at("r_norm").number(1e-6, largest_tangent);
-  const std::optional<JsonNode> centre_node = node.find("centre");
-  const Vector2 centre = centre_node ? read_vector2(*centre_node, largest_tangent) : Vector2::Zero();
-  const std::optional<JsonNode> k_pd_node = node.find("k_pd");
-  std::optional<double> k_pd;
-  if (k_pd_node) k_pd = k_pd_node->number(-largest_k, largest_k);
-  if (node.at("model").string() == "radial") {
-    const RadialLens lens{node.at("k").number(-largest_k, largest_k), r_norm, centre, 0.0};
-    return RadialLens{lens.k, r_norm, centre, k_pd ? *k_pd : best_cubic_inverse(lens)};
   }
   std::vector<double> k;
   for (const JsonNode& e : node.at("coefficients").elements(1, PolynomialLens::max_coefficients)) {
     k.push_back(e.number(-largest_k, largest_k));
   }
-  const double k0 = number_or(node, "k0", 1.0, 0.1, 10.0);
-  const PolynomialLens lens(k, r_norm, centre, 0.0, k0);
-  return PolynomialLens(k, r_norm, centre, k_pd ? *k_pd : best_cubic_inverse(lens), k0);
+  return PolynomialLens(k, number_or(node, "k0", 1.0, 0.1, 10.0));
+}
+
+/// r_norm, or scale (two components, negative to mirror) for a lens that is not as wide as high.
+inline LensPlacement read_placement(const JsonNode& node) {
+  LensPlacement place;
+  if (const auto centre = node.find("centre")) place.centre = read_vector2(*centre, largest_tangent);
+  const std::optional<JsonNode> scale = node.find("scale");
+  if (!scale) return placed_at(node.at("r_norm").number(1e-6, largest_tangent), place.centre);
+  if (node.find("r_norm")) scale->fail("given beside r_norm", "either r_norm or scale");
+  place.scale = read_vector2(*scale, largest_tangent);
+  if (!(place.scale.cwiseAbs().minCoeff() >= 1e-6)) scale->fail("too small a scale", "at least 1e-6 in size");
+  return place;
+}
+
+inline Lens read_lens(const JsonNode& node) {
+  const Lens lens = read_lens_model(node);
+  if (lens.model_if<NoLens>()) return lens;
+  const Lens placed = lens.with_placement(read_placement(node));
+  if (const auto k_pd = node.find("k_pd")) return placed.with_k_pd(k_pd->number(-1000.0, 1000.0));
+  return with_best_cubic(placed);
 }
 
 inline EyeModel read_eye(const JsonNode& node, EyeSide side, double ipd_m) {

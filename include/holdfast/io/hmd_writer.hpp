@@ -18,25 +18,28 @@ namespace detail {
 
 using OrderedJson = nlohmann::ordered_json;
 
-struct LensWriter {
+struct LensModelWriter {
   OrderedJson operator()(const NoLens&) const { return {{"model", "none"}}; }
-  OrderedJson operator()(const RadialLens& l) const {
-    return {{"model", "radial"},
-            {"k", l.k},
-            {"r_norm", l.r_norm},
-            {"centre", {l.centre.x(), l.centre.y()}},
-            {"k_pd", l.k_pd}};
-  }
+  OrderedJson operator()(const RadialLens& l) const { return {{"model", "radial"}, {"k", l.k}}; }
   OrderedJson operator()(const PolynomialLens& l) const {
     const std::span<const double> k = l.coefficients();
-    return {{"model", "polynomial"},
-            {"k0", l.k0()},
-            {"coefficients", std::vector<double>(k.begin(), k.end())},
-            {"r_norm", l.r_norm()},
-            {"centre", {l.centre().x(), l.centre().y()}},
-            {"k_pd", l.k_pd()}};
+    return {{"model", "polynomial"}, {"k0", l.k0()}, {"coefficients", std::vector<double>(k.begin(), k.end())}};
   }
 };
+
+inline OrderedJson lens_json(const Lens& lens) {
+  OrderedJson json = std::visit(LensModelWriter{}, lens.model());
+  if (lens.model_if<NoLens>()) return json;
+  const LensPlacement& place = lens.placement();
+  if (place.scale.x() == place.scale.y() && place.scale.x() > 0.0) {
+    json["r_norm"] = place.scale.x();
+  } else {
+    json["scale"] = {place.scale.x(), place.scale.y()};
+  }
+  json["centre"] = {place.centre.x(), place.centre.y()};
+  json["k_pd"] = lens.k_pd();
+  return json;
+}
 
 inline OrderedJson eye_json(const EyeModel& eye) {
   const FieldTangents& t = eye.tangents;
@@ -50,9 +53,9 @@ inline OrderedJson eye_json(const EyeModel& eye) {
   json["pose"] = {{"position", {p.x(), p.y(), p.z()}},
                   {"rotation", {{"x", q.x()}, {"y", q.y()}, {"z", q.z()}, {"w", q.w()}}}};
   json["upside_down"] = eye.upside_down;
-  json["lens"] = std::visit(LensWriter{}, eye.lens);
-  if (eye.lens_red) json["lens_red"] = std::visit(LensWriter{}, *eye.lens_red);
-  if (eye.lens_blue) json["lens_blue"] = std::visit(LensWriter{}, *eye.lens_blue);
+  json["lens"] = lens_json(eye.lens);
+  if (eye.lens_red) json["lens_red"] = lens_json(*eye.lens_red);
+  if (eye.lens_blue) json["lens_blue"] = lens_json(*eye.lens_blue);
   return json;
 }
 

@@ -19,6 +19,7 @@
 #include <holdfast/geometry/rigid.hpp>
 #include <holdfast/geometry/tangents_of_point.hpp>
 #include <holdfast/optics/lens.hpp>
+#include <holdfast/optics/lens_mode.hpp>
 #include <holdfast/optics/projection.hpp>
 #include <holdfast/optics/tangents.hpp>
 
@@ -38,7 +39,7 @@ struct EyeModel {
   Rigid X_HE;                     ///< p_H = X_HE * p_E
   FieldTangents tangents;         ///< of the panel's edges, paraxial
   PixelSize resolution;           ///< of this eye's part of the panel
-  Lens lens = NoLens{};           ///< for green, which stands for the geometry
+  Lens lens;                      ///< for green, which stands for the geometry
   std::optional<Lens> lens_red;   ///< when red is bent differently
   std::optional<Lens> lens_blue;  ///< when blue is
   bool upside_down = false;       ///< the panel is mounted turned by 180 degrees
@@ -160,12 +161,12 @@ struct EyeModel {
 /// panel's edges (level with the lens's centre) are seen. Nothing when the lens folds over before an edge.
 [[nodiscard]] inline std::optional<FieldTangents> seen_field(const EyeModel& eye, Color color = Color::green) {
   const Lens& lens = eye.lens_of(color);
-  const Vector2 c = cubic_inverse(lens).centre;
+  const Vector2& c = lens.centre();
   const FieldTangents& t = eye.tangents;
-  const auto left = distort(lens, Vector2(t.left, c.y()));
-  const auto right = distort(lens, Vector2(t.right, c.y()));
-  const auto down = distort(lens, Vector2(c.x(), t.down));
-  const auto up = distort(lens, Vector2(c.x(), t.up));
+  const auto left = lens.distort(Vector2(t.left, c.y()));
+  const auto right = lens.distort(Vector2(t.right, c.y()));
+  const auto down = lens.distort(Vector2(c.x(), t.down));
+  const auto up = lens.distort(Vector2(c.x(), t.up));
   if (!left || !right || !down || !up) return std::nullopt;
   return FieldTangents{left->x(), right->x(), down->y(), up->y()};
 }

@@ -7,8 +7,6 @@
 
 #include <cmath>
 #include <string>
-#include <type_traits>
-#include <variant>
 
 #include <holdfast/assert.hpp>
 #include <holdfast/geometry/angle.hpp>
@@ -46,32 +44,6 @@ struct HmdModel {
 
 namespace detail {
 
-/// The same lens with its scale times `scale` and its centre where `place` takes it.
-template <typename Place>
-[[nodiscard]] Lens placed(const Lens& lens, double scale, const Place& place) {
-  return std::visit(
-      [&](const auto& l) -> Lens {
-        using L = std::decay_t<decltype(l)>;
-        if constexpr (std::is_same_v<L, RadialLens>) {
-          return RadialLens{l.k, l.r_norm * scale, place(l.centre), l.k_pd};
-        } else if constexpr (std::is_same_v<L, PolynomialLens>) {
-          return PolynomialLens(l.coefficients(), l.r_norm() * scale, place(l.centre()), l.k_pd(), l.k0());
-        } else {
-          return l;
-        }
-      },
-      lens);
-}
-
-/// The lens as seen from an eye for which every panel tangent t has become scale * t + shift.
-[[nodiscard]] inline Lens moved(const Lens& lens, double scale, const Vector2& shift) {
-  return placed(lens, scale, [&](const Vector2& centre) { return Vector2(centre * scale + shift); });
-}
-
-[[nodiscard]] inline Lens mirrored(const Lens& lens) {
-  return placed(lens, 1.0, [](const Vector2& centre) { return Vector2(-centre.x(), centre.y()); });
-}
-
 inline void move_optics(EyeModel& eye, double scale, const Vector2& shift) {
   const FieldTangents t = eye.tangents;
   eye.tangents = {t.left * scale + shift.x(), t.right * scale + shift.x(), t.down * scale + shift.y(),
@@ -91,9 +63,9 @@ inline void move_optics(EyeModel& eye, double scale, const Vector2& shift) {
   const Vector3& p = eye.X_HE.p();
   other.X_HE = Rigid(Quaternion(q.w(), q.x(), -q.y(), -q.z()), Vector3(-p.x(), p.y(), p.z()));
   other.tangents = mirrored(eye.tangents);
-  other.lens = detail::mirrored(eye.lens);
-  if (eye.lens_red) other.lens_red = detail::mirrored(*eye.lens_red);
-  if (eye.lens_blue) other.lens_blue = detail::mirrored(*eye.lens_blue);
+  other.lens = mirrored(eye.lens);
+  if (eye.lens_red) other.lens_red = mirrored(*eye.lens_red);
+  if (eye.lens_blue) other.lens_blue = mirrored(*eye.lens_blue);
   return other;
 }
 
@@ -156,7 +128,7 @@ inline void move_optics(EyeModel& eye, double scale, const Vector2& shift) {
     eye->X_HE = eye_pose(eye->side, hmd.ipd_m);
     eye->tangents = {-half_width, half_width, -half_height, half_height};
     eye->resolution = size;
-    eye->lens = RadialLens{0.1933, half_height, Vector2::Zero(), -0.1};
+    eye->lens = Lens(RadialLens{0.1933}, placed_at(half_height), -0.1);
   }
   return hmd;
 }

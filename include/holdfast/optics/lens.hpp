@@ -1,124 +1,143 @@
-/// The lenses an eye may have behind one interface, and what application and lens do together.
+/// The lens before an eye: any model, where it stands among the eye's tangents, and what the paper's cubic does.
 ///
-/// Every lens maps the tangent (of field angle) at which a point of the panel would be seen without a lens to the one
-/// at which it is seen: seen = distort(panel). A LensModel also inverts that exactly, tells its Jacobian and where it
-/// is one-to-one; a new model joins by satisfying the concept and entering the variant Lens. An application draws an
-/// ideal picture and corrects it for the lens in one of four ways (LensMode). seen_tangent says where the eye then sees
-/// the ideal point; ideal_tangent, its inverse, says which ideal point the eye sees in a direction. Source: Robinett &
-/// Holloway 1994 (course 11), 7.9. Bad input: a point outside a lens's domain is answered with nothing.
+/// A model (LensModel) works in its own unit round its own origin. LensPlacement says where that is: a point u of the
+/// model is the tangent t = centre + scale .* u, on the panel and as seen. So
+///
+///     distort(t) = centre + scale .* model.distort((t - centre) ./ scale)
+///
+/// and mirroring, moving or scaling a lens changes its placement alone, whatever the model. k_pd is the coefficient of
+/// Robinett & Holloway's cubic predistortion u (1 + k_pd |u|^2), kept for comparison (000 7.9). Bad input: a point
+/// outside the model's domain is answered with nothing; a scale must be finite and not zero (asserted, and named by
+/// problem_of). What an application does about the lens is in lens_mode.hpp.
 #pragma once
 
+#include <cmath>
 #include <concepts>
-#include <limits>
 #include <optional>
+#include <type_traits>
+#include <utility>
 #include <variant>
 
+#include <holdfast/assert.hpp>
 #include <holdfast/geometry/types.hpp>
+#include <holdfast/optics/lens_model.hpp>
 #include <holdfast/optics/polynomial_lens.hpp>
 #include <holdfast/optics/radial_lens.hpp>
 
 namespace holdfast {
 
-template <typename L>
-concept LensModel = requires(const L& lens, const Vector2& tangent) {
-  { lens.distort(tangent) } -> std::same_as<std::optional<Vector2>>;
-  { lens.undistort(tangent) } -> std::same_as<std::optional<Vector2>>;
-  { lens.distort_jacobian(tangent) } -> std::same_as<Matrix2>;
-  { lens.undistort_jacobian(tangent) } -> std::same_as<std::optional<Matrix2>>;
-  { lens.valid_radius() } -> std::same_as<double>;
-  { lens.valid_image_radius() } -> std::same_as<double>;
-  { lens.cubic_inverse() } -> std::same_as<RadialLens>;
+/// t = centre + scale .* u; tangents of field angle.
+struct LensPlacement {
+  Vector2 centre = Vector2::Zero();  ///< where the model's origin is, usually the optical axis
+  Vector2 scale = Vector2::Ones();   ///< tangents per unit of the model; negative mirrors it
+
+  friend bool operator==(const LensPlacement&, const LensPlacement&) = default;
 };
 
-/// A display seen directly, or through optics without distortion.
-struct NoLens {
-  [[nodiscard]] std::optional<Vector2> distort(const Vector2& p) const { return p; }
-  [[nodiscard]] std::optional<Vector2> undistort(const Vector2& v) const { return v; }
-  [[nodiscard]] Matrix2 distort_jacobian(const Vector2&) const { return Matrix2::Identity(); }
-  [[nodiscard]] std::optional<Matrix2> undistort_jacobian(const Vector2&) const { return Matrix2::Identity(); }
-  [[nodiscard]] double valid_radius() const { return std::numeric_limits<double>::infinity(); }
-  [[nodiscard]] double valid_image_radius() const { return std::numeric_limits<double>::infinity(); }
-  [[nodiscard]] RadialLens cubic_inverse() const { return {}; }
-};
-
-static_assert(LensModel<NoLens> && LensModel<RadialLens> && LensModel<PolynomialLens>);
-
-using Lens = std::variant<NoLens, RadialLens, PolynomialLens>;
-
-/// Where the panel point of tangent `panel` is seen.
-[[nodiscard]] inline std::optional<Vector2> distort(const Lens& lens, const Vector2& panel) {
-  return std::visit([&](const auto& l) { return l.distort(panel); }, lens);
-}
-/// The panel point that is seen at tangent `seen`.
-[[nodiscard]] inline std::optional<Vector2> undistort(const Lens& lens, const Vector2& seen) {
-  return std::visit([&](const auto& l) { return l.undistort(seen); }, lens);
-}
-[[nodiscard]] inline Matrix2 distort_jacobian(const Lens& lens, const Vector2& panel) {
-  return std::visit([&](const auto& l) { return l.distort_jacobian(panel); }, lens);
-}
-[[nodiscard]] inline std::optional<Matrix2> undistort_jacobian(const Lens& lens, const Vector2& seen) {
-  return std::visit([&](const auto& l) { return l.undistort_jacobian(seen); }, lens);
-}
-[[nodiscard]] inline double valid_radius(const Lens& lens) {
-  return std::visit([](const auto& l) { return l.valid_radius(); }, lens);
-}
-[[nodiscard]] inline double valid_image_radius(const Lens& lens) {
-  return std::visit([](const auto& l) { return l.valid_image_radius(); }, lens);
-}
-[[nodiscard]] inline RadialLens cubic_inverse(const Lens& lens) {
-  return std::visit([](const auto& l) { return l.cubic_inverse(); }, lens);
+/// Where u = 1 is at r_norm tangents from the centre, in every direction.
+[[nodiscard]] inline LensPlacement placed_at(double r_norm, const Vector2& centre = Vector2::Zero()) {
+  return {centre, Vector2(r_norm, r_norm)};
 }
 
-/// How an application deals with the lens.
-enum class LensMode {
-  none,         ///< no lens is there, whatever the descriptor says
-  exact,        ///< the picture is predistorted with the lens's exact inverse
-  cubic,        ///< the picture is predistorted with the paper's cubic r + k_pd r^3
-  uncorrected,  ///< the lens is there and the application ignores it
-};
+class Lens {
+ public:
+  using Model = std::variant<NoLens, RadialLens, PolynomialLens>;
 
-/// The panel tangent at which the application draws the ideal point.
-[[nodiscard]] inline std::optional<Vector2> drawn_tangent(const Lens& lens, LensMode mode, const Vector2& ideal) {
-  switch (mode) {
-    case LensMode::exact:
-      return undistort(lens, ideal);
-    case LensMode::cubic:
-      return cubic_inverse(lens).distort(ideal);
-    case LensMode::none:
-    case LensMode::uncorrected:
-      break;
+  Lens() = default;
+
+  /// Any model is a lens, by default centred on the eye's axis with its unit as the tangents'.
+  template <LensModel M>
+  requires(!std::same_as<M, Lens> && std::is_constructible_v<Model, M>)
+      Lens(M model, const LensPlacement& placement = {}, double k_pd = 0.0)
+      : Lens(Model(std::move(model)), placement, k_pd) {}
+
+  Lens(Model model, const LensPlacement& placement, double k_pd = 0.0)
+      : model_(std::move(model)), placement_(placement), k_pd_(k_pd) {
+    const Vector2& s = placement.scale;
+    HOLDFAST_ASSERT(s.allFinite() && s.x() != 0.0 && s.y() != 0.0, "a lens's scale must be finite and not zero");
+    HOLDFAST_ASSERT(placement.centre.allFinite() && std::isfinite(k_pd), "a lens's numbers must be finite");
   }
-  return ideal;
-}
 
-/// Where the eye sees the ideal point: drawn by the application, then distorted by the lens.
-[[nodiscard]] inline std::optional<Vector2> seen_tangent(const Lens& lens, LensMode mode, const Vector2& ideal) {
-  if (mode == LensMode::none) return ideal;
-  const std::optional<Vector2> drawn = drawn_tangent(lens, mode, ideal);
-  return drawn ? distort(lens, *drawn) : std::nullopt;
-}
-
-/// The ideal point that a panel tangent shows: the inverse of drawn_tangent, which a warp looks up for each panel
-/// pixel.
-[[nodiscard]] inline std::optional<Vector2> ideal_tangent_at_panel(const Lens& lens, LensMode mode,
-                                                                   const Vector2& panel) {
-  switch (mode) {
-    case LensMode::exact:
-      return distort(lens, panel);
-    case LensMode::cubic:
-      return cubic_inverse(lens).undistort(panel);
-    case LensMode::none:
-    case LensMode::uncorrected:
-      break;
+  [[nodiscard]] const Model& model() const { return model_; }
+  /// The model if it is an M, else null.
+  template <LensModel M>
+  [[nodiscard]] const M* model_if() const {
+    return std::get_if<M>(&model_);
   }
-  return panel;
+  [[nodiscard]] const LensPlacement& placement() const { return placement_; }
+  [[nodiscard]] const Vector2& centre() const { return placement_.centre; }
+  [[nodiscard]] double k_pd() const { return k_pd_; }
+
+  /// The same lens elsewhere, or with another cubic.
+  [[nodiscard]] Lens with_placement(const LensPlacement& placement) const { return {model_, placement, k_pd_}; }
+  [[nodiscard]] Lens with_k_pd(double k_pd) const { return {model_, placement_, k_pd}; }
+
+  /// Where the panel point of tangent `panel` is seen.
+  [[nodiscard]] std::optional<Vector2> distort(const Vector2& panel) const {
+    if (std::holds_alternative<NoLens>(model_)) return panel;  // to the last bit
+    const Vector2 u = to_model(panel);
+    return from_model(std::visit([&](const auto& m) { return m.distort(u); }, model_));
+  }
+  /// The panel point that is seen at tangent `seen`.
+  [[nodiscard]] std::optional<Vector2> undistort(const Vector2& seen) const {
+    if (std::holds_alternative<NoLens>(model_)) return seen;
+    const Vector2 u = to_model(seen);
+    return from_model(std::visit([&](const auto& m) { return m.undistort(u); }, model_));
+  }
+  /// d distort / d panel.
+  [[nodiscard]] Matrix2 distort_jacobian(const Vector2& panel) const {
+    const Vector2 u = to_model(panel);
+    return from_model(Matrix2(std::visit([&](const auto& m) { return m.distort_jacobian(u); }, model_)));
+  }
+  /// d undistort / d seen; nothing outside the domain and where it is infinite.
+  [[nodiscard]] std::optional<Matrix2> undistort_jacobian(const Vector2& seen) const {
+    const Vector2 u = to_model(seen);
+    const std::optional<Matrix2> J = std::visit([&](const auto& m) { return m.undistort_jacobian(u); }, model_);
+    return J ? std::optional<Matrix2>(from_model(*J)) : std::nullopt;
+  }
+  /// The largest disc round the centre, in tangents, inside which distort is known to be one-to-one.
+  [[nodiscard]] double valid_radius() const {
+    return smaller_scale() * std::visit([](const auto& m) { return m.valid_radius(); }, model_);
+  }
+  /// The largest disc round the centre, in seen tangents, that undistort surely answers.
+  [[nodiscard]] double valid_image_radius() const {
+    return smaller_scale() * std::visit([](const auto& m) { return m.valid_image_radius(); }, model_);
+  }
+
+  /// The paper's predistortion u (1 + k_pd |u|^2), itself a lens: draw at cubic_inverse().distort(ideal).
+  [[nodiscard]] Lens cubic_inverse() const { return {RadialLens{k_pd_}, placement_}; }
+
+ private:
+  [[nodiscard]] Vector2 to_model(const Vector2& t) const {
+    return (t - placement_.centre).cwiseQuotient(placement_.scale);
+  }
+  [[nodiscard]] std::optional<Vector2> from_model(const std::optional<Vector2>& u) const {
+    if (!u) return std::nullopt;
+    return Vector2(placement_.centre + placement_.scale.cwiseProduct(*u));
+  }
+  [[nodiscard]] Matrix2 from_model(const Matrix2& J) const {
+    const Vector2& s = placement_.scale;
+    Matrix2 out;
+    out << J(0, 0), J(0, 1) * (s.x() / s.y()), J(1, 0) * (s.y() / s.x()), J(1, 1);
+    return out;
+  }
+  [[nodiscard]] double smaller_scale() const { return placement_.scale.cwiseAbs().minCoeff(); }
+
+  Model model_;
+  LensPlacement placement_;
+  double k_pd_ = 0.0;
+};
+
+/// The lens as seen from an eye for which every panel tangent t has become scale * t + shift.
+[[nodiscard]] inline Lens moved(const Lens& lens, double scale, const Vector2& shift) {
+  const LensPlacement& p = lens.placement();
+  return lens.with_placement({Vector2(p.centre * scale + shift), Vector2(p.scale * scale)});
 }
 
-/// The ideal point that the eye sees at tangent `seen`: the inverse of seen_tangent.
-[[nodiscard]] inline std::optional<Vector2> ideal_tangent(const Lens& lens, LensMode mode, const Vector2& seen) {
-  if (mode == LensMode::none) return seen;
-  const std::optional<Vector2> panel = undistort(lens, seen);
-  return panel ? ideal_tangent_at_panel(lens, mode, *panel) : std::nullopt;
+/// The lens of the other eye: left and right change places.
+[[nodiscard]] inline Lens mirrored(const Lens& lens) {
+  const LensPlacement& p = lens.placement();
+  return lens.with_placement({Vector2(-p.centre.x(), p.centre.y()), Vector2(-p.scale.x(), p.scale.y())});
 }
 
 }  // namespace holdfast

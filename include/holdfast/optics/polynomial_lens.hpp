@@ -1,14 +1,15 @@
 /// Radial polynomial lens, as the Rifts, Cardboard and OSVR's headsets are described by.
 ///
-/// A point of the panel at `p` is seen at distort(p). With q = p - centre and r = |q| / r_norm:
+/// A point of the panel at `p` is seen at distort(p), both from the optical axis and in the unit in which the
+/// coefficients are given (a Lens places it: LensPlacement). With r = |p|:
 ///
-///     distort(p) = centre + q (k0 + k1 r^2 + k2 r^4 + ... + kn r^2n)          n <= 6
+///     distort(p) = p (k0 + k1 r^2 + k2 r^4 + ... + kn r^2n)          n <= 6
 ///
 /// k0 is 1 but where a colour is magnified differently from the one that the panel's tangents are given for.
 /// distort is one-to-one up to valid_radius, the smallest r where the derivative of r (k0 + k1 r^2 + ...) vanishes
 /// (infinite when it never does); undistort inverts it there by Newton's method kept inside a bracket, to rounding.
 /// Elsewhere: nothing. Sources: Google Cardboard's viewer profile (K1, K2 in tangents); Oculus SDK 0.2 (distortionK, r
-/// in quarters of the screen's width). Unit: the same for p, centre and r_norm, tangents of field angle or pixels.
+/// in quarters of the screen's width).
 #pragma once
 
 #include <algorithm>
@@ -21,7 +22,6 @@
 
 #include <holdfast/assert.hpp>
 #include <holdfast/geometry/types.hpp>
-#include <holdfast/optics/radial_lens.hpp>
 
 namespace holdfast {
 
@@ -78,14 +78,10 @@ class PolynomialLens {
 
   PolynomialLens() = default;
 
-  /// Coefficients k1, k2, ...: at most 6, finite; r_norm > 0, k0 > 0. k_pd is that of the paper's cubic predistortion
-  /// (RadialLens).
-  PolynomialLens(std::span<const double> k, double r_norm, const Vector2& centre = Vector2::Zero(), double k_pd = 0.0,
-                 double k0 = 1.0)
-      : count_(k.size()), k0_(k0), r_norm_(r_norm), centre_(centre), k_pd_(k_pd) {
+  /// Coefficients k1, k2, ...: at most 6, finite; k0 > 0.
+  explicit PolynomialLens(std::span<const double> k, double k0 = 1.0) : count_(k.size()), k0_(k0) {
     HOLDFAST_ASSERT(k0 > 0.0, "k0 must be positive");
     HOLDFAST_ASSERT(k.size() <= max_coefficients, "too many lens coefficients");
-    HOLDFAST_ASSERT(r_norm > 0.0, "r_norm must be positive");
     std::copy_n(k.begin(), std::min(k.size(), max_coefficients), k_.begin());
     fold_ = first_fold();
     image_fold_ = std::isfinite(fold_) ? seen_radius(fold_) : std::numeric_limits<double>::infinity();
@@ -93,32 +89,26 @@ class PolynomialLens {
 
   [[nodiscard]] std::span<const double> coefficients() const { return {k_.data(), count_}; }
   [[nodiscard]] double k0() const { return k0_; }
-  [[nodiscard]] double r_norm() const { return r_norm_; }
-  [[nodiscard]] const Vector2& centre() const { return centre_; }
-  [[nodiscard]] double k_pd() const { return k_pd_; }
-  [[nodiscard]] double valid_radius() const { return fold_ * r_norm_; }
-  [[nodiscard]] double valid_image_radius() const { return image_fold_ * r_norm_; }
+  [[nodiscard]] double valid_radius() const { return fold_; }
+  [[nodiscard]] double valid_image_radius() const { return image_fold_; }
 
   [[nodiscard]] std::optional<Vector2> distort(const Vector2& p) const {
-    const Vector2 q = p - centre_;
-    const double r2 = q.squaredNorm() / (r_norm_ * r_norm_);
+    const double r2 = p.squaredNorm();
     if (!(r2 <= fold_ * fold_) || !std::isfinite(r2)) return std::nullopt;
-    return Vector2(centre_ + q * scale(r2));
+    return Vector2(p * scale(r2));
   }
 
   [[nodiscard]] std::optional<Vector2> undistort(const Vector2& v) const {
-    const Vector2 q = v - centre_;
-    const double seen = q.norm() / r_norm_;
+    const double seen = v.norm();
     if (!(seen <= image_fold_) || !std::isfinite(seen)) return std::nullopt;
     if (!(seen > 0.0)) return v;
-    return Vector2(centre_ + q * (panel_radius(seen) / seen));
+    return Vector2(v * (panel_radius(seen) / seen));
   }
 
-  /// d distort / d p = s I + 2 s' q q^T / r_norm^2, s = k0 + k1 r^2 + ..., s' = ds/d(r^2).
+  /// d distort / d p = s I + 2 s' p p^T, s = k0 + k1 r^2 + ..., s' = ds/d(r^2).
   [[nodiscard]] Matrix2 distort_jacobian(const Vector2& p) const {
-    const Vector2 q = (p - centre_) / r_norm_;
-    const double r2 = q.squaredNorm();
-    return scale(r2) * Matrix2::Identity() + 2.0 * scale_slope(r2) * q * q.transpose();
+    const double r2 = p.squaredNorm();
+    return scale(r2) * Matrix2::Identity() + 2.0 * scale_slope(r2) * p * p.transpose();
   }
 
   /// d undistort / d v; nothing outside the domain and at the fold itself, where it is infinite.
@@ -129,9 +119,6 @@ class PolynomialLens {
     if (!(J.determinant() > 0.0)) return std::nullopt;
     return Matrix2(J.inverse());
   }
-
-  /// The paper's predistortion r + k_pd r^3.
-  [[nodiscard]] RadialLens cubic_inverse() const { return {k_pd_, r_norm_, centre_, 0.0}; }
 
  private:
   [[nodiscard]] double scale(double r2) const {
@@ -185,10 +172,7 @@ class PolynomialLens {
   std::array<double, max_coefficients> k_{};
   std::size_t count_ = 0;
   double k0_ = 1.0;
-  double r_norm_ = 1.0;
-  Vector2 centre_ = Vector2::Zero();
-  double k_pd_ = 0.0;
-  double fold_ = std::numeric_limits<double>::infinity();        ///< normalised panel radius
+  double fold_ = std::numeric_limits<double>::infinity();        ///< panel radius
   double image_fold_ = std::numeric_limits<double>::infinity();  ///< what it is seen at
 };
 

@@ -1,17 +1,16 @@
-/// The third-order radial lens of Robinett & Holloway, r_v = r + k r^3, with its exact inverse and the paper's cubic
-/// one.
+/// The third-order radial lens of Robinett & Holloway, r_v = r + k r^3, with its exact inverse.
 ///
-/// A point of the panel at `p` is seen at distort(p) (both in tangents of field angle, or both in pixels: the unit is
-/// r_norm's). With q = p - centre and the normalised radius r = |q| / r_norm:
+/// A point of the panel at `p` is seen at distort(p), both from the optical axis and in the unit r_norm in which k is
+/// given (a Lens places it: LensPlacement). With r = |p|:
 ///
-///     distort(p) = centre + q (1 + k r^2)              000 eq. 7.9.2; k > 0 is pincushion, k < 0 barrel
+///     distort(p) = p (1 + k r^2)                       000 eq. 7.9.2; k > 0 is pincushion, k < 0 barrel
 ///
-///     undistort(v) = centre + (v - centre) m,          m + c m^3 = 1,  c = k |v - centre|^2 / r_norm^2
+///     undistort(v) = v m,                              m + c m^3 = 1,  c = k |v|^2
 ///
 /// The inverse is exact (to rounding): for c < 0 by the trigonometric closed form (Rolland & Hopkins 1993 solve the
 /// same cubic), for c >= 0 by Halley's iteration with a start so near that a fixed number of steps reaches rounding.
 /// Drawing a picture at undistort makes it look right through the lens. The paper instead predistorts with r + k_pd r^3
-/// (cubic_inverse), which is only near. For k < 0 the lens folds over at valid_radius: farther out, points of the panel
+/// (Lens::cubic_inverse, itself such a lens), which is only near. For k < 0 the lens folds over at valid_radius: farther out, points of the panel
 /// are seen nearer again. Beyond that radius, or beyond its image when inverting, the answer is nothing. Source:
 /// Robinett & Holloway 1994 (course 11), 7.9 and table 8.1.
 #pragma once
@@ -53,36 +52,31 @@ inline double cubic_scale(double c) {
 }  // namespace detail
 
 struct RadialLens {
-  double k = 0.0;                    ///< distortion at r = 1, i.e. at r_norm from the centre (k_n in the paper)
-  double r_norm = 1.0;               ///< the radius where r = 1, > 0, in tangents (or pixels)
-  Vector2 centre = Vector2::Zero();  ///< the optical axis, in the same unit
-  double k_pd = 0.0;                 ///< coefficient of the paper's cubic predistortion; 0 leaves the picture as it is
+  double k = 0.0;  ///< distortion at r = 1, i.e. at r_norm from the centre (k_n in the paper)
 
-  /// Panel radius, in the unit of r_norm, up to which distort is one-to-one: r = 1/sqrt(-3k); infinite for k >= 0.
+  /// Panel radius up to which distort is one-to-one: 1/sqrt(-3k); infinite for k >= 0.
   [[nodiscard]] double valid_radius() const {
-    return k < 0.0 ? r_norm / std::sqrt(-3.0 * k) : std::numeric_limits<double>::infinity();
+    return k < 0.0 ? 1.0 / std::sqrt(-3.0 * k) : std::numeric_limits<double>::infinity();
   }
   /// The seen radius that valid_radius maps to: undistort's domain.
   [[nodiscard]] double valid_image_radius() const { return valid_radius() * (k < 0.0 ? 2.0 / 3.0 : 1.0); }
 
   [[nodiscard]] std::optional<Vector2> distort(const Vector2& p) const {
-    const Vector2 q = p - centre;
-    const double r2 = q.squaredNorm() / (r_norm * r_norm);
+    const double r2 = p.squaredNorm();
     if (!(-3.0 * k * r2 <= 1.0) || !std::isfinite(r2)) return std::nullopt;
-    return Vector2(centre + q * (1.0 + k * r2));
+    return Vector2(p * (1.0 + k * r2));
   }
 
   [[nodiscard]] std::optional<Vector2> undistort(const Vector2& v) const {
-    const Vector2 q = v - centre;
-    const double c = k * q.squaredNorm() / (r_norm * r_norm);
-    if (!(c >= -4.0 / 27.0) || !std::isfinite(c)) return std::nullopt;
-    return Vector2(centre + q * detail::cubic_scale(c));
+    const double v2 = v.squaredNorm();
+    const double c = k * v2;
+    if (!(c >= -4.0 / 27.0) || !std::isfinite(v2)) return std::nullopt;
+    return Vector2(v * detail::cubic_scale(c));
   }
 
-  /// d distort / d p = (1 + k r^2) I + 2 k q q^T / r_norm^2.
+  /// d distort / d p = (1 + k r^2) I + 2 k p p^T.
   [[nodiscard]] Matrix2 distort_jacobian(const Vector2& p) const {
-    const Vector2 q = (p - centre) / r_norm;
-    return (1.0 + k * q.squaredNorm()) * Matrix2::Identity() + 2.0 * k * q * q.transpose();
+    return (1.0 + k * p.squaredNorm()) * Matrix2::Identity() + 2.0 * k * p * p.transpose();
   }
 
   /// d undistort / d v; nothing outside the domain and at the fold itself, where it is infinite.
@@ -93,9 +87,6 @@ struct RadialLens {
     if (!(J.determinant() > 0.0)) return std::nullopt;
     return Matrix2(J.inverse());
   }
-
-  /// The paper's predistortion, itself a radial lens with k = k_pd: draw at cubic_inverse().distort(ideal).
-  [[nodiscard]] RadialLens cubic_inverse() const { return {k_pd, r_norm, centre, 0.0}; }
 };
 
 }  // namespace holdfast

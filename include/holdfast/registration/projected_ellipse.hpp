@@ -91,7 +91,7 @@ namespace detail {
                                                        const Vector2& ideal) {
   const std::optional<Vector2> panel = drawn_pixel(believed, mode, ideal);
   if (!panel || mode == LensMode::none) return panel;
-  const std::optional<Vector2> tangent = distort(eye.lens, tangent_of_pixel(eye, *panel));
+  const std::optional<Vector2> tangent = eye.lens.distort(tangent_of_pixel(eye, *panel));
   return tangent ? std::optional<Vector2>(pixel_of_tangent(eye, *tangent)) : std::nullopt;
 }
 

@@ -5,10 +5,12 @@
 #pragma once
 
 #include <holdfast/assert.hpp>
+#include <holdfast/deflection/deflection.hpp>
 #include <holdfast/frames/frames.hpp>
 #include <holdfast/geometry/geometry.hpp>
 #include <holdfast/motion/motions.hpp>
 #include <holdfast/optics/optics.hpp>
+#include <holdfast/pipeline/pipeline.hpp>
 #include <holdfast/prediction/prediction.hpp>
 #include <holdfast/registration/registration.hpp>
 #include <holdfast/timing/timing.hpp>

@@ -1,0 +1,123 @@
+/// One warp from the panel to the source picture: lens, late correction and scan-out composed, exactly.
+///
+/// What a pixel of the panel shows:
+///     panel pixel -> panel tangent --lens and its correction (per colour)--> t_E --H_SE(s)--> t_S -> source pixel,
+/// s being the line fraction of the panel pixel (1/2 everywhere on a global display). This is the definition that
+/// every implementation (mesh, GLSL, CPU) is tested against. seen_pixel is the inverse: it solves for s, as the line
+/// on which a thing lights depends on where it is shown. Pixels: origin at the lower left, centres at half integers;
+/// panel pixels are the panel's own, also when it is mounted upside down; "seen" pixels are the eye's ideal ones.
+/// Bad input: outside the lens's domain, or where the direction is not ahead of the source eye, the answer is nothing.
+#pragma once
+
+#include <cmath>
+#include <optional>
+
+#include <holdfast/deflection/rendered_picture.hpp>
+#include <holdfast/deflection/scan_homography.hpp>
+#include <holdfast/optics/eye.hpp>
+#include <holdfast/timing/display_timing.hpp>
+
+namespace holdfast {
+
+/// Coefficients c of the line fraction in the panel's own texture coordinates: s = c . (u, v, 1), (u, v) = (0, 0) at
+/// the panel picture's lower left. For shaders; a global display has s = 1/2 everywhere.
+[[nodiscard]] inline Vector3 line_fraction_coefficients(const DisplayTiming& timing) {
+  if (timing.scan_out == ScanOut::global) return {0.0, 0.0, 0.5};
+  const auto s = [&](double u, double v) {
+    return line_fraction_of_pixel(timing.scan_direction, Vector2(u, v), Vector2(1.0, 1.0));
+  };
+  const double origin = s(0.0, 0.0);
+  return {s(1.0, 0.0) - origin, s(0.0, 1.0) - origin, origin};
+}
+
+/// Homogeneous texture coordinates of the source, (u, v, 1) ~ M(s) (t_E, 1), for shaders: (0, 0) is the source
+/// picture's lower left, (1, 1) its upper right.
+using SourceMatrices = ScanMatrices;
+
+[[nodiscard]] inline SourceMatrices source_matrices(const RenderedView& view, const ScanHomography& H_SE) {
+  const FieldTangents& t = view.tangents;
+  Matrix3 uv_of_tangent;
+  uv_of_tangent << 1.0 / (t.right - t.left), 0.0, -t.left / (t.right - t.left),  //
+      0.0, 1.0 / (t.up - t.down), -t.down / (t.up - t.down),                     //
+      0.0, 0.0, 1.0;
+  return {uv_of_tangent * H_SE.begin(), uv_of_tangent * H_SE.middle(), uv_of_tangent * H_SE.end()};
+}
+
+class ComposedWarp {
+ public:
+  /// The eye is not copied: it must live while the warp is used.
+  ComposedWarp(const EyeModel& eye, LensMode mode, const DisplayTiming& timing, const RenderedView& view,
+               const ScanHomography& H_SE)
+      : eye_(&eye), mode_(mode), view_(view), H_SE_(H_SE), line_(line_fraction_coefficients(timing)) {}
+  ComposedWarp(EyeModel&&, LensMode, const DisplayTiming&, const RenderedView&, const ScanHomography&) = delete;
+
+  /// The source pixel that a panel pixel shows; it may lie outside the source picture (is_inside).
+  [[nodiscard]] std::optional<Vector2> source_pixel(const Vector2& panel_pixel, Color color = Color::green) const {
+    const Vector2 panel = tangent_of_pixel(*eye_, panel_pixel);
+    const std::optional<Vector2> t_E = ideal_tangent_at_panel(eye_->lens_of(color), mode_, panel);
+    const std::optional<Vector2> t_S = t_E ? H_SE_.source_tangent(*t_E, line_fraction(panel_pixel)) : std::nullopt;
+    if (!t_S) return std::nullopt;
+    return source_pixel_of_tangent(view_, *t_S);
+  }
+
+  /// The source pixel that the eye sees at `seen_pixel`, through the true lens.
+  [[nodiscard]] std::optional<Vector2> source_pixel_seen(const Vector2& seen_pixel, Color color = Color::green) const {
+    const std::optional<Vector2> panel = panel_pixel_seen(seen_pixel, color);
+    return panel ? source_pixel(*panel, color) : std::nullopt;
+  }
+
+  /// The panel pixel that the eye sees at `seen_pixel`, through the true lens.
+  [[nodiscard]] std::optional<Vector2> panel_pixel_seen(const Vector2& seen_pixel, Color color = Color::green) const {
+    if (mode_ == LensMode::none) return seen_pixel;
+    const auto panel = eye_->lens_of(color).undistort(tangent_of_pixel(*eye_, seen_pixel));
+    return panel ? std::optional<Vector2>(pixel_of_tangent(*eye_, *panel)) : std::nullopt;
+  }
+
+  /// The panel pixel that shows a source pixel: the inverse of source_pixel.
+  [[nodiscard]] std::optional<Vector2> panel_pixel(const Vector2& source_pixel, Color color = Color::green) const {
+    const Vector2 t_S = tangent_of_source_pixel(view_, source_pixel);
+    // Where it is shown decides its line, and the line where it is shown. A step shrinks the error by the part of the
+    // picture's height that things move during the scan, usually below a tenth.
+    double s = 0.5;
+    for (int i = 0; i < 64; ++i) {
+      const std::optional<Vector2> t_E = H_SE_.displayed_tangent(t_S, s);
+      const auto drawn = t_E ? drawn_tangent(eye_->lens_of(color), mode_, *t_E) : std::nullopt;
+      if (!drawn) return std::nullopt;
+      const Vector2 panel = pixel_of_tangent(*eye_, *drawn);
+      const double next = line_fraction(panel);
+      if (std::abs(next - s) <= 1e-13 || H_SE_.is_constant()) return panel;
+      s = next;
+    }
+    return std::nullopt;  // moved by more than the picture's height during the scan
+  }
+
+  /// Where the eye sees a source pixel, through the true lens: the inverse of source_pixel_seen.
+  [[nodiscard]] std::optional<Vector2> seen_pixel(const Vector2& source_pixel, Color color = Color::green) const {
+    const std::optional<Vector2> panel = panel_pixel(source_pixel, color);
+    if (!panel || mode_ == LensMode::none) return panel;
+    const auto seen = eye_->lens_of(color).distort(tangent_of_pixel(*eye_, *panel));
+    return seen ? std::optional<Vector2>(pixel_of_tangent(*eye_, *seen)) : std::nullopt;
+  }
+
+  /// Line fraction at which a panel pixel lights; 1/2 on a global display.
+  [[nodiscard]] double line_fraction(const Vector2& panel_pixel) const {
+    return line_.x() * panel_pixel.x() / eye_->resolution.width +
+           line_.y() * panel_pixel.y() / eye_->resolution.height + line_.z();
+  }
+
+  [[nodiscard]] SourceMatrices source_matrices() const { return holdfast::source_matrices(view_, H_SE_); }
+  [[nodiscard]] const EyeModel& eye() const { return *eye_; }
+  [[nodiscard]] LensMode mode() const { return mode_; }
+  [[nodiscard]] const RenderedView& view() const { return view_; }
+  [[nodiscard]] const ScanHomography& H_SE() const { return H_SE_; }
+  [[nodiscard]] const Vector3& line_coefficients() const { return line_; }
+
+ private:
+  const EyeModel* eye_;
+  LensMode mode_;
+  RenderedView view_;
+  ScanHomography H_SE_;
+  Vector3 line_;  // line_fraction_coefficients
+};
+
+}  // namespace holdfast

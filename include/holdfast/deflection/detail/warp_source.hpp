@@ -1,0 +1,123 @@
+/// What the CPU warp's inner loops share: the source picture, a run of positions in it, and the filters pixel by pixel.
+///
+/// Positions are counted in texels: (0, 0) is the CENTRE of the source pixel at the lower left, so a position is the source
+/// pixel minus one half. A position outside the picture's rectangle, or NaN, is not covered and gets the border's colour;
+/// the half pixel inside the rectangle's edge repeats the edge, as GL_CLAMP_TO_EDGE does. The functions here are the
+/// portable ones; warp_sample_avx2.hpp holds the same eight pixels at a time.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+namespace holdfast {
+
+/// How a picture is looked up between its pixels.
+enum class WarpFilter {
+  bilinear,  ///< as GL_LINEAR: exact for linear ramps
+  bicubic,   ///< Catmull-Rom over 4x4 pixels: exact for quadratics, sharper; may overshoot at edges
+};
+
+namespace detail {
+
+/// Target pixels that are worked on together: a multiple of the lens cells' side and of the vectors' width.
+inline constexpr int run_pixels = 128;
+
+struct WarpRun {
+  alignas(32) float x[run_pixels];
+  alignas(32) float y[run_pixels];
+};
+
+template <typename Channel>
+struct WarpSource {
+  const Channel* data = nullptr;
+  std::ptrdiff_t stride = 0;  ///< channels
+  int width = 0;
+  int height = 0;
+  std::array<Channel, 4> border{};
+};
+
+/// Catmull-Rom's weights of the pixels at -1, 0, 1, 2 for a point at f in [0, 1): exactly (0, 1, 0, 0) at f = 0.
+inline std::array<float, 4> catmull_rom(float f) {
+  const float f2 = f * f;
+  const float f3 = f2 * f;
+  return {f2 - 0.5F * (f3 + f), 1.5F * f3 - 2.5F * f2 + 1.0F, 2.0F * f2 - 1.5F * f3 + 0.5F * f, 0.5F * (f3 - f2)};
+}
+
+template <typename Channel>
+Channel as_channel(float value) {
+  if constexpr (std::is_same_v<Channel, float>) {
+    return value;
+  } else {
+    return static_cast<Channel>(std::min(255.0F, std::max(0.0F, value)) + 0.5F);
+  }
+}
+
+template <typename Channel>
+[[nodiscard]] bool is_covered(const WarpSource<Channel>& s, float x, float y) {
+  return x >= -0.5F && y >= -0.5F && x <= static_cast<float>(s.width) - 0.5F && y <= static_cast<float>(s.height) - 0.5F;
+}
+
+/// Precondition: is_covered.
+template <typename Channel>
+void sample_bilinear(const WarpSource<Channel>& s, float x, float y, Channel* out) {
+  const float floor_x = std::floor(x);
+  const float floor_y = std::floor(y);
+  const float fx = x - floor_x;
+  const float fy = y - floor_y;
+  const int x0 = static_cast<int>(floor_x);
+  const int y0 = static_cast<int>(floor_y);
+  const std::ptrdiff_t left = 4 * std::max(x0, 0);
+  const std::ptrdiff_t right = 4 * std::min(x0 + 1, s.width - 1);
+  const Channel* bottom = s.data + s.stride * std::max(y0, 0);
+  const Channel* top = s.data + s.stride * std::min(y0 + 1, s.height - 1);
+  for (int c = 0; c < 4; ++c) {
+    const auto at = [c](const Channel* row, std::ptrdiff_t i) { return static_cast<float>(row[i + c]); };
+    const float l = at(bottom, left) + fy * (at(top, left) - at(bottom, left));
+    const float r = at(bottom, right) + fy * (at(top, right) - at(bottom, right));
+    out[c] = as_channel<Channel>(l + fx * (r - l));
+  }
+}
+
+/// Precondition: is_covered.
+template <typename Channel>
+void sample_bicubic(const WarpSource<Channel>& s, float x, float y, Channel* out) {
+  const float floor_x = std::floor(x);
+  const float floor_y = std::floor(y);
+  const std::array<float, 4> wx = catmull_rom(x - floor_x);
+  const std::array<float, 4> wy = catmull_rom(y - floor_y);
+  std::array<float, 4> sum{};
+  for (int j = 0; j < 4; ++j) {
+    const Channel* row = s.data + s.stride * std::clamp(static_cast<int>(floor_y) + j - 1, 0, s.height - 1);
+    for (int i = 0; i < 4; ++i) {
+      const Channel* pixel = row + 4 * std::clamp(static_cast<int>(floor_x) + i - 1, 0, s.width - 1);
+      const float weight = wx[static_cast<std::size_t>(i)] * wy[static_cast<std::size_t>(j)];
+      for (std::size_t c = 0; c < 4; ++c) sum[c] += weight * static_cast<float>(pixel[c]);
+    }
+  }
+  for (std::size_t c = 0; c < 4; ++c) out[c] = as_channel<Channel>(sum[c]);
+}
+
+/// One pixel, covered or not.
+template <typename Channel, WarpFilter Filter>
+void sample(const WarpSource<Channel>& s, float x, float y, Channel* out) {
+  if (!is_covered(s, x, y)) {
+    std::copy(s.border.begin(), s.border.end(), out);
+  } else if constexpr (Filter == WarpFilter::bilinear) {
+    sample_bilinear(s, x, y, out);
+  } else {
+    sample_bicubic(s, x, y, out);
+  }
+}
+
+/// The first `count` positions of a run, into a row of the target.
+template <typename Channel, WarpFilter Filter>
+void sample_run(const WarpSource<Channel>& s, const WarpRun& run, int count, Channel* out) {
+  for (int i = 0; i < count; ++i) sample<Channel, Filter>(s, run.x[i], run.y[i], out + 4 * i);
+}
+
+}  // namespace detail
+}  // namespace holdfast

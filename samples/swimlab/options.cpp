@@ -1,5 +1,6 @@
 #include "options.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <memory>
@@ -16,6 +17,16 @@ namespace {
 [[noreturn]] void refuse(const std::string& option, const std::string& problem, const std::string& value,
                          const std::string& expected) {
   throw io::InputError({.key = option, .problem = problem, .value = value, .expected = expected});
+}
+
+/// Adds the words of `text`, which commas separate.
+void add_cut(const std::string& option, const std::string& text, Words& words) {
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    if (end == begin) refuse(option, "a word is missing between commas", text, "words separated by single commas");
+    words.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
 }
 
 /// Each word as one of the choices' values.
@@ -134,7 +145,13 @@ void add_json(CLI::App& command, std::string& json) {
 }
 
 CLI::Option* add_words(CLI::App& command, const std::string& name, Words& words, const std::string& help) {
-  return command.add_option(name, words, help)->delimiter(',')->type_name("WORD,...")->allow_extra_args(false);
+  // Cut at commas here: the command-line library would drop empty words, and with them a mistyped value.
+  const auto read = [&words, name](const CLI::results_t& given) {
+    words.clear();
+    for (const std::string& text : given) add_cut(name, text, words);
+    return true;
+  };
+  return command.add_option(name, read, help)->type_name("WORD,...")->take_all()->allow_extra_args(false);
 }
 
 }  // namespace

@@ -20,14 +20,14 @@ namespace {
 
 constexpr std::array later_predictors{"constant_acceleration", "gyro", "kalman", "kalman_inertial"};
 
-ResultJson summary_json(const ErrorSummary& s) {
+ResultJson summary_json(const ErrorStatistics& s) {
   return {
       {"mean", io::number_or_null(s.mean)}, {"p95", io::number_or_null(s.p95)}, {"peak", io::number_or_null(s.peak)}};
 }
 
 /// Where a point 1 m straight ahead of the true left eye is drawn by the predicted one, against where it is: px of the
 /// default headset (1280 pixels over 60 degrees). A point that leaves the half space ahead is not counted.
-ErrorSummary screen_error(const PredictorRow& row) {
+ErrorStatistics screen_error(const PredictorRow& row) {
   const HmdModel hmd = default_hmd();
   const EyeModel& eye = hmd.left;
   const Vector3 p_E(0.0, 0.0, -1.0);
@@ -38,7 +38,7 @@ ErrorSummary screen_error(const PredictorRow& row) {
     const auto drawn = project(eye, X_EpE * p_E);
     if (drawn) errors.push_back((*drawn - at_truth).norm());
   }
-  return summarize(errors);
+  return statistics_of(std::move(errors));
 }
 
 ResultJson block_json(double interval_ms, const PredictorEvaluation& evaluation) {
@@ -71,7 +71,12 @@ void print_block(const ResultJson& block) {
       std::printf(" ");
       for (const char* of : {"mean", "p95", "peak"}) std::printf(" %8.3f", row[key][of].get<double>());
     }
-    std::printf(" %8.2f\n", row["jitter_arcmin"].get<double>());
+    const ResultJson& jitter = row["jitter_arcmin"];
+    if (jitter.is_null()) {
+      std::printf(" %8s\n", "-");
+    } else {
+      std::printf(" %8.2f\n", jitter.get<double>());
+    }
   }
 }
 

@@ -28,19 +28,6 @@ TEST_CASE("millimetres at the fiducial's depth") {
   CHECK(error_at_depth(Vector3(0.5, 0.2, -2.0), Vector3(0.501, 0.2, -2.0) * 0.3, 2.0) == doctest::Approx(0.001));
 }
 
-TEST_CASE("statistics of known numbers") {
-  const ErrorStatistics s = statistics_of({4.0, 1.0, 3.0, 2.0, 5.0});
-  CHECK(s.count == 5);
-  CHECK(s.mean == 3.0);
-  CHECK(s.rms == doctest::Approx(std::sqrt(11.0)));
-  CHECK(s.p50 == 3.0);
-  CHECK(s.p95 == doctest::Approx(4.8));
-  CHECK(s.p99 == doctest::Approx(4.96));
-  CHECK(s.peak == 5.0);
-  CHECK(statistics_of({}).count == 0);
-  CHECK(statistics_of({7.0}).p95 == 7.0);
-}
-
 TEST_CASE("stereo residual is the left error less the right one") {
   const std::vector<Vector2> left{{3e-3, 1e-3}, {1e-3, 0.0}}, right{{1e-3, 2e-3}, {1e-3, 0.0}};
   const StereoResidual r = stereo_residual(left, right);

@@ -17,34 +17,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include <holdfast/geometry/angle.hpp>
 #include <holdfast/motion/sampled_trajectory.hpp>
+#include <holdfast/prediction/error_statistics.hpp>
 #include <holdfast/prediction/jitter.hpp>
 #include <holdfast/prediction/predictor.hpp>
 #include <holdfast/tracking/backward_difference.hpp>
 
 namespace holdfast {
-
-struct ErrorSummary {
-  double mean = 0.0, p95 = 0.0, peak = 0.0;
-};
-
-/// Mean, 95th percentile (nearest rank) and greatest of a series; zeros for an empty one.
-[[nodiscard]] inline ErrorSummary summarize(std::span<const double> errors) {
-  if (errors.empty()) return {};
-  std::vector<double> sorted(errors.begin(), errors.end());
-  std::ranges::sort(sorted);
-  ErrorSummary summary;
-  for (const double error : sorted) summary.mean += error;
-  summary.mean /= static_cast<double>(sorted.size());
-  const auto rank = static_cast<std::size_t>(std::ceil(0.95 * static_cast<double>(sorted.size())));
-  summary.p95 = sorted[rank - 1];
-  summary.peak = sorted.back();
-  return summary;
-}
 
 /// One prediction and its error; with both poses, so that errors on a screen can be had from them too.
 struct PredictionError {
@@ -56,10 +40,10 @@ struct PredictionError {
 
 struct PredictorRow {
   Predictor predictor = Predictor::none;
-  ErrorSummary angle_deg, position_mm;
+  ErrorStatistics angle_deg, position_mm;
   /// Orientation error between 3 and 12 Hz, root mean square (jitter.hpp). Errors count as evenly spaced by the median
-  /// interval, also across what was skipped. 0 for less than 1 s of them.
-  double jitter_arcmin = 0.0;
+  /// interval, also across what was skipped. Nothing for less than 1 s of them.
+  std::optional<double> jitter_arcmin;
   std::vector<PredictionError> errors;
 };
 
@@ -164,10 +148,11 @@ struct Stretches {
     PredictorRow& row = evaluation.rows[k];
     std::vector<double> series(row.errors.size());
     std::ranges::transform(row.errors, series.begin(), &PredictionError::angle_deg);
-    row.angle_deg = summarize(series);
+    row.angle_deg = statistics_of(series);
     std::ranges::transform(row.errors, series.begin(), &PredictionError::position_mm);
-    row.position_mm = summarize(series);
-    row.jitter_arcmin = radians(band_rms<3>(error_vectors[k], rate_hz).value_or(0.0)).arcmin();
+    row.position_mm = statistics_of(series);
+    const std::optional<double> jitter_rad = band_rms<3>(error_vectors[k], rate_hz);
+    if (jitter_rad) row.jitter_arcmin = radians(*jitter_rad).arcmin();
   }
   return evaluation;
 }

@@ -1,4 +1,4 @@
-/// Registration error of one point, and the statistics of many.
+/// Registration error of one point (the statistics of many: prediction/error_statistics.hpp).
 ///
 /// The error is c_virtual - c_real: where the eye sees the virtual point minus where it sees the real one. Told three
 /// ways:
@@ -17,9 +17,9 @@
 #include <cmath>
 #include <numbers>
 #include <span>
-#include <vector>
 
 #include <holdfast/geometry/types.hpp>
+#include <holdfast/prediction/error_statistics.hpp>
 
 namespace holdfast {
 
@@ -47,41 +47,6 @@ inline constexpr double degrees_per_rad = 180.0 / std::numbers::pi;
   const Vector2 t_real = real_E.head<2>() / -real_E.z();
   const Vector2 t_virtual = virtual_E.head<2>() / -virtual_E.z();
   return depth_m * (t_virtual - t_real).norm();
-}
-
-struct ErrorStatistics {
-  std::size_t count = 0;
-  double mean = 0.0, rms = 0.0, p50 = 0.0, p95 = 0.0, p99 = 0.0, peak = 0.0;
-};
-
-/// Value below which the fraction `p` (0 to 1) of sorted values lies, linear between neighbours (the default of R and
-/// NumPy). Precondition: sorted, not empty.
-[[nodiscard]] inline double percentile_of_sorted(std::span<const double> sorted, double p) {
-  const double place = std::clamp(p, 0.0, 1.0) * static_cast<double>(sorted.size() - 1);
-  const auto i = static_cast<std::size_t>(place);
-  if (i + 1 >= sorted.size()) return sorted.back();
-  return sorted[i] + (place - static_cast<double>(i)) * (sorted[i + 1] - sorted[i]);
-}
-
-/// Statistics of error lengths (not negative); all zero when there are none.
-[[nodiscard]] inline ErrorStatistics statistics_of(std::vector<double> lengths) {
-  ErrorStatistics s;
-  s.count = lengths.size();
-  if (lengths.empty()) return s;
-  std::sort(lengths.begin(), lengths.end());
-  double sum = 0.0, squares = 0.0;
-  for (const double x : lengths) {
-    sum += x;
-    squares += x * x;
-  }
-  const auto n = static_cast<double>(lengths.size());
-  s.mean = sum / n;
-  s.rms = std::sqrt(squares / n);
-  s.p50 = percentile_of_sorted(lengths, 0.50);
-  s.p95 = percentile_of_sorted(lengths, 0.95);
-  s.p99 = percentile_of_sorted(lengths, 0.99);
-  s.peak = lengths.back();
-  return s;
 }
 
 /// Horizontal and vertical difference of the two eyes' errors (left minus right) of one fiducial: false depth, and

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include <holdfast/io/json_reader.hpp>
-#include <holdfast/optics/cubic_fit.hpp>
+#include <holdfast/io/lens_reader.hpp>
 #include <holdfast/optics/hmd.hpp>
 
 namespace holdfast::io {
@@ -18,13 +18,6 @@ namespace holdfast::io {
 inline constexpr std::string_view hmd_schema = "holdfast/hmd/1";
 
 namespace detail {
-
-inline constexpr double largest_tangent = 100.0;  // 89.4 degrees: more is a slip, not a headset
-
-inline double number_or(const JsonNode& object, std::string_view key, double fallback, double lowest, double highest) {
-  const std::optional<JsonNode> member = object.find(key);
-  return member ? member->number(lowest, highest) : fallback;
-}
 
 inline FieldTangents checked(const JsonNode& node, const FieldResult& result) {
   if (!result.ok()) node.fail(std::string(describe(result.problem)), "a field of view that a flat picture can fill");
@@ -85,11 +78,6 @@ inline void read_field(const JsonNode& node, EyeModel& eye) {
   }
 }
 
-inline Vector2 read_vector2(const JsonNode& node, double largest) {
-  const std::vector<JsonNode> e = node.elements(2, 2);
-  return {e[0].number(-largest, largest), e[1].number(-largest, largest)};
-}
-
 /// A pose whose quaternion survives another normalisation unchanged, so that writing and reading it again is exact.
 inline Rigid settled(Quaternion q, const Vector3& p) {
   Rigid X(q, p);
@@ -110,47 +98,6 @@ inline Rigid read_pose(const JsonNode& node) {
   const Quaternion q_HE(part("w"), part("x"), part("y"), part("z"));
   if (std::abs(q_HE.norm() - 1.0) > 1e-3) rotation.fail("not a unit quaternion", "x, y, z, w of length 1");
   return settled(q_HE, p_HE);
-}
-
-/// The model alone; the keys of every model's placement are read by read_lens.
-inline Lens read_lens_model(const JsonNode& node) {
-  constexpr double largest_k = 1000.0;
-  switch (node.at("model").choice({"none", "radial", "polynomial"})) {
-    case 0:
-      node.allow_only({"model"});
-      return NoLens{};
-    case 1:
-      node.allow_only({"model", "k", "k_pd", "r_norm", "scale", "centre"});
-      return RadialLens{node.at("k").number(-largest_k, largest_k)};
-    default:
-      node.allow_only({"model", "k0", "coefficients", "k_pd", "r_norm", "scale", "centre"});
-      break;
-  }
-  std::vector<double> k;
-  for (const JsonNode& e : node.at("coefficients").elements(1, PolynomialLens::max_coefficients)) {
-    k.push_back(e.number(-largest_k, largest_k));
-  }
-  return PolynomialLens(k, number_or(node, "k0", 1.0, 0.1, 10.0));
-}
-
-/// r_norm, or scale (two components, negative to mirror) for a lens that is not as wide as high.
-inline LensPlacement read_placement(const JsonNode& node) {
-  LensPlacement place;
-  if (const auto centre = node.find("centre")) place.centre = read_vector2(*centre, largest_tangent);
-  const std::optional<JsonNode> scale = node.find("scale");
-  if (!scale) return placed_at(node.at("r_norm").number(1e-6, largest_tangent), place.centre);
-  if (node.find("r_norm")) scale->fail("given beside r_norm", "either r_norm or scale");
-  place.scale = read_vector2(*scale, largest_tangent);
-  if (!(place.scale.cwiseAbs().minCoeff() >= 1e-6)) scale->fail("too small a scale", "at least 1e-6 in size");
-  return place;
-}
-
-inline Lens read_lens(const JsonNode& node) {
-  const Lens lens = read_lens_model(node);
-  if (lens.model_if<NoLens>()) return lens;
-  const Lens placed = lens.with_placement(read_placement(node));
-  if (const auto k_pd = node.find("k_pd")) return placed.with_k_pd(k_pd->number(-1000.0, 1000.0));
-  return with_best_cubic(placed);
 }
 
 inline EyeModel read_eye(const JsonNode& node, EyeSide side, double ipd_m) {

@@ -2,44 +2,17 @@
 #pragma once
 
 #include <cmath>
-#include <span>
 #include <string>
-#include <variant>
-#include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include <holdfast/io/hmd_reader.hpp>
+#include <holdfast/io/lens_writer.hpp>
 #include <holdfast/optics/hmd.hpp>
 
 namespace holdfast::io {
 
 namespace detail {
-
-using OrderedJson = nlohmann::ordered_json;
-
-struct LensModelWriter {
-  OrderedJson operator()(const NoLens&) const { return {{"model", "none"}}; }
-  OrderedJson operator()(const RadialLens& l) const { return {{"model", "radial"}, {"k", l.k}}; }
-  OrderedJson operator()(const PolynomialLens& l) const {
-    const std::span<const double> k = l.coefficients();
-    return {{"model", "polynomial"}, {"k0", l.k0()}, {"coefficients", std::vector<double>(k.begin(), k.end())}};
-  }
-};
-
-inline OrderedJson lens_json(const Lens& lens) {
-  OrderedJson json = std::visit(LensModelWriter{}, lens.model());
-  if (lens.model_if<NoLens>()) return json;
-  const LensPlacement& place = lens.placement();
-  if (place.scale.x() == place.scale.y() && place.scale.x() > 0.0) {
-    json["r_norm"] = place.scale.x();
-  } else {
-    json["scale"] = {place.scale.x(), place.scale.y()};
-  }
-  json["centre"] = {place.centre.x(), place.centre.y()};
-  json["k_pd"] = lens.k_pd();
-  return json;
-}
 
 inline OrderedJson eye_json(const EyeModel& eye) {
   const FieldTangents& t = eye.tangents;
@@ -81,8 +54,7 @@ inline OrderedJson timing_json(const DisplayTiming& timing) {
   json["optics_follow_ipd"] = hmd.optics_follow_ipd;
   json["timing"] = detail::timing_json(hmd.timing);
   json["eyes"] = {{"left", detail::eye_json(hmd.left)}, {"right", detail::eye_json(hmd.right)}};
-  // Text that is not UTF-8 gets replacement characters: a name must not keep a headset from being written.
-  return json.dump(2, ' ', false, detail::OrderedJson::error_handler_t::replace) + "\n";
+  return detail::pretty(json);
 }
 
 }  // namespace holdfast::io

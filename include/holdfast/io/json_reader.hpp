@@ -16,6 +16,7 @@
 #include <initializer_list>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -42,6 +43,7 @@ class JsonNode {
 
   /// Refuses a value that is no object, and every key that is not in the list.
   inline void allow_only(std::initializer_list<std::string_view> keys) const;
+  inline void allow_only(std::span<const std::string_view> keys) const;
 
   /// A member that must be there.
   [[nodiscard]] inline JsonNode at(std::string_view key) const;
@@ -163,7 +165,7 @@ class JsonDocument {
 
 namespace detail {
 
-inline std::string listed(std::initializer_list<std::string_view> words) {
+inline std::string listed(std::span<const std::string_view> words) {
   std::string text;
   for (const std::string_view word : words) text += (text.empty() ? "" : ", ") + std::string(word);
   return text;
@@ -191,6 +193,10 @@ inline void JsonNode::fail(std::string problem, std::string expected) const {
 }
 
 inline void JsonNode::allow_only(std::initializer_list<std::string_view> keys) const {
+  allow_only(std::span(keys.begin(), keys.size()));
+}
+
+inline void JsonNode::allow_only(std::span<const std::string_view> keys) const {
   if (!value_->is_object()) fail("not an object", "an object with " + detail::listed(keys));
   for (const auto& [key, member] : value_->items()) {
     if (std::find(keys.begin(), keys.end(), key) == keys.end()) {
@@ -257,7 +263,7 @@ inline std::string JsonNode::string() const {
 }
 
 inline std::size_t JsonNode::choice(std::initializer_list<std::string_view> choices) const {
-  const std::string expected = "one of " + detail::listed(choices);
+  const std::string expected = "one of " + detail::listed(std::span(choices.begin(), choices.size()));
   if (!value_->is_string()) fail("not a string", expected);
   const auto found = std::find(choices.begin(), choices.end(), value_->get_ref<const std::string&>());
   if (found == choices.end()) fail("unknown word", expected);

@@ -21,6 +21,7 @@
 #include <holdfast/assert.hpp>
 #include <holdfast/geometry/types.hpp>
 #include <holdfast/optics/lens_model.hpp>
+#include <holdfast/optics/point_mesh_lens.hpp>
 #include <holdfast/optics/polynomial_lens.hpp>
 #include <holdfast/optics/radial_lens.hpp>
 
@@ -41,7 +42,7 @@ struct LensPlacement {
 
 class Lens {
  public:
-  using Model = std::variant<NoLens, RadialLens, PolynomialLens>;
+  using Model = std::variant<NoLens, RadialLens, PolynomialLens, PointMeshLens>;
 
   Lens() = default;
 

@@ -7,6 +7,8 @@
 #include <holdfast/optics/lens.hpp>
 #include <holdfast/optics/lens_mode.hpp>
 #include <holdfast/optics/lens_model.hpp>
+#include <holdfast/optics/point_mesh.hpp>
+#include <holdfast/optics/point_mesh_lens.hpp>
 #include <holdfast/optics/polynomial_lens.hpp>
 #include <holdfast/optics/projection.hpp>
 #include <holdfast/optics/radial_lens.hpp>

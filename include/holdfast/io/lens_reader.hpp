@@ -1,0 +1,114 @@
+/// The lenses of a headset descriptor (schema "holdfast/hmd/1"): from JSON to Lens. hmd_reader.hpp reads the rest.
+///
+/// "model" names the model, its other keys are those of the model's header; "r_norm" or "scale", "centre" and "k_pd"
+/// place any model (LensPlacement). Bad input: io::InputError with line, key and what was expected.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <holdfast/io/json_reader.hpp>
+#include <holdfast/optics/cubic_fit.hpp>
+#include <holdfast/optics/lens.hpp>
+
+namespace holdfast::io::detail {
+
+inline constexpr double largest_tangent = 100.0;  // 89.4 degrees: more is a slip, not a headset
+inline constexpr double largest_coefficient = 1000.0;
+inline constexpr std::size_t most_mesh_samples = 20'000;
+
+inline double number_or(const JsonNode& object, std::string_view key, double fallback, double lowest, double highest) {
+  const std::optional<JsonNode> member = object.find(key);
+  return member ? member->number(lowest, highest) : fallback;
+}
+
+inline Vector2 read_vector2(const JsonNode& node, double largest) {
+  const std::vector<JsonNode> e = node.elements(2, 2);
+  return {e[0].number(-largest, largest), e[1].number(-largest, largest)};
+}
+
+inline std::vector<double> read_coefficients(const JsonNode& node, std::size_t fewest, std::size_t most) {
+  std::vector<double> k;
+  for (const JsonNode& e : node.elements(fewest, most))
+    k.push_back(e.number(-largest_coefficient, largest_coefficient));
+  return k;
+}
+
+/// Refuses keys that neither the model nor its placement has.
+inline void allow_lens_keys(const JsonNode& node, std::initializer_list<std::string_view> of_model) {
+  std::vector<std::string_view> keys{"model", "k_pd", "r_norm", "scale", "centre"};
+  keys.insert(keys.begin() + 1, of_model.begin(), of_model.end());
+  node.allow_only(keys);
+}
+
+inline PolynomialLens read_polynomial(const JsonNode& node) {
+  const std::vector<double> k = read_coefficients(node.at("coefficients"), 1, PolynomialLens::max_coefficients);
+  return PolynomialLens(k, number_or(node, "k0", 1.0, 0.1, 10.0));
+}
+
+/// The lens of samples that stand at `node` (sample i at node's i-th element).
+inline PointMeshLens point_mesh_lens(std::vector<PointMeshSample> samples, const JsonNode& node) {
+  const PointMeshResult result = make_point_mesh(std::move(samples));
+  if (result.ok()) return PointMeshLens(result.mesh);
+  if (result.problem == PointMeshProblem::duplicate_panel_point) {
+    node.elements(0, most_mesh_samples)[result.sample].fail(
+        std::string(describe(result.problem)),
+        "another point than that of sample " + std::to_string(result.other_sample));
+  }
+  node.fail(std::string(describe(result.problem)), "samples whose triangles keep their orientation");
+}
+
+inline PointMeshLens read_point_mesh(const JsonNode& node) {
+  const JsonNode list = node.at("samples");
+  std::vector<PointMeshSample> samples;
+  for (const JsonNode& sample : list.elements(3, most_mesh_samples)) {
+    const std::vector<JsonNode> e = sample.elements(4, 4);
+    const auto number = [&](std::size_t i) { return e[i].number(-1e6, 1e6); };
+    samples.push_back({Vector2(number(0), number(1)), Vector2(number(2), number(3))});
+  }
+  return point_mesh_lens(std::move(samples), list);
+}
+
+inline Lens::Model read_lens_model(const JsonNode& node) {
+  switch (node.at("model").choice({"none", "radial", "polynomial", "point_mesh"})) {
+    case 0:
+      node.allow_only({"model"});
+      return NoLens{};
+    case 1:
+      allow_lens_keys(node, {"k"});
+      return RadialLens{node.at("k").number(-largest_coefficient, largest_coefficient)};
+    case 2:
+      allow_lens_keys(node, {"k0", "coefficients"});
+      return read_polynomial(node);
+    default:
+      allow_lens_keys(node, {"samples"});
+      return read_point_mesh(node);
+  }
+}
+
+/// r_norm, or scale (two components, negative to mirror) for a lens that is not as wide as high.
+inline LensPlacement read_placement(const JsonNode& node) {
+  LensPlacement place;
+  if (const auto centre = node.find("centre")) place.centre = read_vector2(*centre, largest_tangent);
+  const std::optional<JsonNode> scale = node.find("scale");
+  if (!scale) return placed_at(node.at("r_norm").number(1e-6, largest_tangent), place.centre);
+  if (node.find("r_norm")) scale->fail("given beside r_norm", "either r_norm or scale");
+  place.scale = read_vector2(*scale, largest_tangent);
+  if (!(place.scale.cwiseAbs().minCoeff() >= 1e-6)) scale->fail("too small a scale", "at least 1e-6 in size");
+  return place;
+}
+
+inline Lens read_lens(const JsonNode& node) {
+  const Lens::Model model = read_lens_model(node);
+  if (std::holds_alternative<NoLens>(model)) return NoLens{};
+  const Lens lens(model, read_placement(node));
+  if (const auto k_pd = node.find("k_pd")) return lens.with_k_pd(k_pd->number(-1000.0, 1000.0));
+  return with_best_cubic(lens);
+}
+
+}  // namespace holdfast::io::detail

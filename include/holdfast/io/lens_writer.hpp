@@ -1,0 +1,84 @@
+/// The lenses of a headset descriptor: from Lens to JSON, so that lens_reader.hpp gives back every number bit by bit.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include <holdfast/optics/lens.hpp>
+
+namespace holdfast::io::detail {
+
+using OrderedJson = nlohmann::ordered_json;
+
+struct LensModelWriter {
+  OrderedJson operator()(const NoLens&) const { return {{"model", "none"}}; }
+  OrderedJson operator()(const RadialLens& l) const { return {{"model", "radial"}, {"k", l.k}}; }
+  OrderedJson operator()(const PolynomialLens& l) const {
+    return {{"model", "polynomial"}, {"k0", l.k0()}, {"coefficients", list(l.coefficients())}};
+  }
+  OrderedJson operator()(const PointMeshLens& l) const {
+    OrderedJson samples = OrderedJson::array();
+    for (const PointMeshSample& s : l.mesh().samples) {
+      samples.push_back({s.panel.x(), s.panel.y(), s.seen.x(), s.seen.y()});
+    }
+    return {{"model", "point_mesh"}, {"samples", std::move(samples)}};
+  }
+
+ private:
+  [[nodiscard]] static std::vector<double> list(std::span<const double> k) { return {k.begin(), k.end()}; }
+};
+
+inline OrderedJson lens_json(const Lens& lens) {
+  OrderedJson json = std::visit(LensModelWriter{}, lens.model());
+  if (lens.model_if<NoLens>()) return json;
+  const LensPlacement& place = lens.placement();
+  if (place.scale.x() == place.scale.y() && place.scale.x() > 0.0) {
+    json["r_norm"] = place.scale.x();
+  } else {
+    json["scale"] = {place.scale.x(), place.scale.y()};
+  }
+  json["centre"] = {place.centre.x(), place.centre.y()};
+  json["k_pd"] = lens.k_pd();
+  return json;
+}
+
+/// JSON with two spaces a level, but arrays of plain values on one line.
+inline void append_pretty(std::string& text, const OrderedJson& json, std::size_t depth) {
+  const auto is_plain = [](const OrderedJson& e) { return e.is_primitive(); };
+  const auto plain_text = [](const OrderedJson& e) {
+    // Text that is not UTF-8 gets replacement characters: a name must not keep a headset from being written.
+    return e.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
+  };
+  if (json.is_primitive() || json.empty()) {
+    text += plain_text(json);
+    return;
+  }
+  const bool one_line = json.is_array() && std::all_of(json.begin(), json.end(), is_plain);
+  const std::string line = "\n" + std::string(2 * depth + 2, ' ');
+  text += json.is_array() ? "[" : "{";
+  bool first = true;
+  for (const auto& [key, value] : json.items()) {
+    if (!first) text += one_line ? ", " : ",";
+    if (!one_line) text += line;
+    if (json.is_object()) text += plain_text(OrderedJson(key)) + ": ";
+    append_pretty(text, value, depth + 1);
+    first = false;
+  }
+  if (!one_line) text += line.substr(0, line.size() - 2);
+  text += json.is_array() ? "]" : "}";
+}
+
+[[nodiscard]] inline std::string pretty(const OrderedJson& json) {
+  std::string text;
+  append_pretty(text, json, 0);
+  return text + "\n";
+}
+
+}  // namespace holdfast::io::detail

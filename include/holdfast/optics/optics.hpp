@@ -10,6 +10,7 @@
 #include <holdfast/optics/point_mesh.hpp>
 #include <holdfast/optics/point_mesh_lens.hpp>
 #include <holdfast/optics/polynomial_lens.hpp>
+#include <holdfast/optics/predistortion_mesh.hpp>
 #include <holdfast/optics/projection.hpp>
 #include <holdfast/optics/radial_lens.hpp>
 #include <holdfast/optics/tangents.hpp>

@@ -1,0 +1,109 @@
+/// What an eye's panel shows, for many points at once: the ideal tangent of each colour, or that there is none.
+///
+/// The same answers as ideal_tangent_at_panel, but the lens's model is looked up once for a batch of points, and the
+/// domain ends a little earlier: where the lens all but folds (predistortion_mesh.hpp), and at the border of a field.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <span>
+#include <type_traits>
+#include <variant>
+
+#include <holdfast/optics/eye.hpp>
+
+namespace holdfast::detail {
+
+/// One panel point: its ideal tangents (red, green, blue; of one colour alone when all are alike), and whether all of
+/// them exist.
+struct PanelLook {
+  std::array<Vector2, 3> ideal;
+  bool inside = true;
+};
+
+class PanelMap {
+ public:
+  PanelMap(const EyeModel& eye, LensMode mode, const std::optional<FieldTangents>& field)
+      : inverse_(mode == LensMode::cubic), identity_(mode == LensMode::none || mode == LensMode::uncorrected) {
+    colours_ = !identity_ && (eye.lens_red || eye.lens_blue) ? 3 : 1;
+    for (int c = 0; c < colours_; ++c) {
+      const Lens& lens = eye.lens_of(colours_ == 3 ? static_cast<Color>(c) : Color::green);
+      lenses_[static_cast<std::size_t>(c)] = inverse_ ? lens.cubic_inverse() : lens;
+    }
+    if (colours_ == 1) identity_ = identity_ || lenses_[0].model_if<NoLens>() != nullptr;
+    if (!field) return;
+    const auto [left, right] = std::minmax({field->left, field->right});
+    const auto [down, up] = std::minmax({field->down, field->up});
+    field_ = FieldTangents{left, right, down, up};
+  }
+
+  [[nodiscard]] int colours() const { return colours_; }
+  /// Every panel point shows its own tangent.
+  [[nodiscard]] bool is_identity() const { return identity_; }
+  [[nodiscard]] bool is_bounded() const { return !identity_ || field_.has_value(); }
+
+  /// Looks of the panel tangents, in the same order.
+  void look(std::span<const Vector2> panel, PanelLook* out) const {
+    for (std::size_t i = 0; i < panel.size(); ++i) out[i].inside = true;
+    if (identity_) {
+      for (std::size_t i = 0; i < panel.size(); ++i) out[i].ideal[0] = panel[i];
+    } else {
+      for (std::size_t c = 0; c < static_cast<std::size_t>(colours_); ++c) {
+        std::visit([&](const auto& model) { look_through(model, c, panel, out); }, lenses_[c].model());
+      }
+    }
+    if (field_) cut_to_field(panel.size(), out);
+  }
+
+  [[nodiscard]] PanelLook look(const Vector2& panel) const {
+    PanelLook one;
+    look(std::span(&panel, 1), &one);
+    return one;
+  }
+
+ private:
+  static constexpr double least_scale = 1.0 / 32.0;
+
+  /// Something is seen less than least_scale as large as it is, at least nearly (its smallest singular value is
+  /// between det / |J| and sqrt(2) times that).
+  [[nodiscard]] static bool all_but_folds(const Matrix2& J) { return !(J.determinant() >= least_scale * J.norm()); }
+
+  template <typename Model>
+  void look_through(const Model& model, std::size_t c, std::span<const Vector2> panel, PanelLook* out) const {
+    const Vector2 centre = lenses_[c].placement().centre;
+    const Vector2 scale = lenses_[c].placement().scale;
+    const Vector2 per_scale = scale.cwiseInverse();
+    const double safe = 0.5 * model.valid_radius();  // far from any fold
+    for (std::size_t i = 0; i < panel.size(); ++i) {
+      const Vector2 u = (panel[i] - centre).cwiseProduct(per_scale);
+      if constexpr (std::is_same_v<Model, NoLens>) {
+        out[i].ideal[c] = panel[i];
+        continue;
+      }
+      const std::optional<Vector2> v = inverse_ ? model.undistort(u) : model.distort(u);
+      const Vector2& on_panel_side = inverse_ && v ? *v : u;  // where the model's Jacobian is asked for
+      if (!v || (on_panel_side.squaredNorm() > safe * safe && all_but_folds(model.distort_jacobian(on_panel_side)))) {
+        out[i].inside = false;
+        continue;
+      }
+      out[i].ideal[c] = centre + scale.cwiseProduct(*v);
+    }
+  }
+
+  void cut_to_field(std::size_t count, PanelLook* out) const {
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t c = 0; out[i].inside && c < static_cast<std::size_t>(colours_); ++c) {
+        const Vector2& t = out[i].ideal[c];
+        out[i].inside = t.x() >= field_->left && t.x() <= field_->right && t.y() >= field_->down && t.y() <= field_->up;
+      }
+    }
+  }
+
+  std::array<Lens, 3> lenses_;
+  int colours_ = 1;
+  bool inverse_, identity_;
+  std::optional<FieldTangents> field_;
+};
+
+}  // namespace holdfast::detail

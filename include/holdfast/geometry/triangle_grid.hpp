@@ -52,6 +52,7 @@ class TriangleGrid {
   }
 
   [[nodiscard]] std::optional<Place> find(const Vector2& p) const {
+    if (shapes_.empty()) return std::nullopt;
     const Vector2 cell = (p - origin_).cwiseProduct(cells_per_unit_);
     constexpr double slack = 1e-9;  // of a cell: points on the border within rounding
     if (!(cell.x() >= -slack && cell.y() >= -slack && cell.x() <= columns_ + slack && cell.y() <= rows_ + slack)) {

@@ -3,8 +3,8 @@
 /// OSVR's unstructured meshes (mono_point_samples, rgb_point_samples: [[screen], [canonical]]) and ray-traced lenses
 /// come like this. The panel points are joined by a Delaunay triangulation, and each triangle is mapped linearly: a
 /// point has its value from the triangle round it, never from the three nearest samples (which tears the picture). The
-/// map is kept one-to-one: triangles that are mirrored or flat on the seen side (folds), and those that then still
-/// overlap others there, are left out and reported. Slivers along the convex hull, flatter than 1:500, are rounding of
+/// map is kept one-to-one: triangles that are mirrored or flat on the seen side (folds), pieces cut off by them, and
+/// those that then still overlap others there, are left out and reported. Slivers along the convex hull, flatter than 1:500, are rounding of
 /// the samples and are left out silently. Unit: any, the same on both sides. Bad input: PointMeshResult names it.
 #pragma once
 
@@ -36,7 +36,8 @@ struct PointMeshSample {
 /// A triangle of samples that is left out.
 struct PointMeshFold {
   std::array<int, 3> samples{};
-  double area_ratio = 0.0;  ///< seen area over panel area; not positive: folded, else it overlaps other triangles
+  double area_ratio =
+      0.0;  ///< seen area over panel area; not positive: folded, else cut off by folds or overlapping others
 };
 
 enum class PointMeshProblem {
@@ -45,7 +46,7 @@ enum class PointMeshProblem {
   not_finite,
   duplicate_panel_point,
   collinear,
-  folded,  ///< no triangle remains: mirrored, or flat
+  folded,  ///< less than a twentieth remains: mirrored, flat, or in disorder
 };
 
 [[nodiscard]] constexpr std::string_view describe(PointMeshProblem problem) {
@@ -61,7 +62,7 @@ enum class PointMeshProblem {
     case PointMeshProblem::collinear:
       return "all panel points lie on one line";
     case PointMeshProblem::folded:
-      return "the samples fold over or mirror everywhere";
+      return "the samples fold over or mirror nearly everywhere";
   }
   return "unknown problem";
 }
@@ -114,12 +115,14 @@ class PointMeshBuilder {
   void build(PointMesh& mesh) {
     leave_out_border_slivers();
     leave_out_folds(mesh);
+    leave_out_islands(mesh);
     leave_out_overlaps(mesh);
     for (std::size_t i = 0; i < kept_.size(); ++i) {
       if (!kept_[i]) continue;
       mesh.triangles.push_back(panel_.triangles[i]);
       mesh.jacobians.push_back(jacobian(panel_.triangles[i]));
     }
+    if (kept_share() < 0.05) mesh.triangles.clear();
     if (mesh.triangles.empty()) return;
     mesh.panel_grid = TriangleGrid(panel_.points, mesh.triangles);
     mesh.seen_grid = TriangleGrid(seen_, mesh.triangles);
@@ -152,6 +155,17 @@ class PointMeshBuilder {
     }
   }
 
+  /// Of the area of all triangles.
+  [[nodiscard]] double kept_share() const {
+    double all = 0.0, kept = 0.0;
+    for (std::size_t i = 0; i < kept_.size(); ++i) {
+      const double area = twice_area(panel_.points, panel_.triangles[i]);
+      all += area;
+      if (kept_[i]) kept += area;
+    }
+    return kept / all;
+  }
+
   void leave_out(std::size_t i, PointMesh& mesh) {
     const std::array<int, 3>& t = panel_.triangles[i];
     kept_[i] = false;
@@ -164,6 +178,51 @@ class PointMeshBuilder {
       const bool good = flatness(seen_, t) > flat && flatness(panel_.points, t) > flat;
       if (kept_[i] && !good) leave_out(i, mesh);
     }
+  }
+
+  /// Beyond a fold the map may turn round again: only the piece that holds the origin is kept, or else the largest.
+  void leave_out_islands(PointMesh& mesh) {
+    std::vector<std::size_t> piece(kept_.size(), 0);  // 0: none yet
+    std::size_t pieces = 0, best = 0;
+    double best_area = 0.0;
+    for (std::size_t seed = 0; seed < kept_.size(); ++seed) {
+      if (!kept_[seed] || piece[seed] != 0) continue;
+      const double area = fill(seed, ++pieces, piece);
+      if (area > best_area) {
+        best_area = area;
+        best = pieces;
+      }
+    }
+    for (std::size_t i = 0; i < kept_.size(); ++i) {
+      if (kept_[i] && piece[i] != best) leave_out(i, mesh);
+    }
+  }
+
+  /// Numbers the triangles that hang together with `seed`; their area, infinite when the origin is among them.
+  double fill(std::size_t seed, std::size_t number, std::vector<std::size_t>& piece) const {
+    double area = 0.0;
+    std::vector<std::size_t> open{seed};
+    piece[seed] = number;
+    while (!open.empty()) {
+      const std::size_t i = open.back();
+      open.pop_back();
+      area += holds_origin(panel_.triangles[i]) ? std::numeric_limits<double>::infinity()
+                                                : twice_area(panel_.points, panel_.triangles[i]);
+      for (const int n : panel_.neighbours[i]) {
+        const auto k = static_cast<std::size_t>(n);
+        if (n < 0 || !kept_[k] || piece[k] != 0) continue;
+        piece[k] = number;
+        open.push_back(k);
+      }
+    }
+    return area;
+  }
+
+  [[nodiscard]] bool holds_origin(const std::array<int, 3>& t) const {
+    const auto corner = [&](std::size_t i) { return panel_.points[static_cast<std::size_t>(t[i])]; };
+    const Vector2 origin = Vector2::Zero();
+    return orientation(corner(0), corner(1), origin) >= 0 && orientation(corner(1), corner(2), origin) >= 0 &&
+           orientation(corner(2), corner(0), origin) >= 0;
   }
 
   /// Of triangles that overlap on the seen side, those with the most overlaps go first: a single wild sample stretches

@@ -7,6 +7,7 @@
 #include <holdfast/optics/lens.hpp>
 #include <holdfast/optics/lens_mode.hpp>
 #include <holdfast/optics/lens_model.hpp>
+#include <holdfast/optics/overfill.hpp>
 #include <holdfast/optics/point_mesh.hpp>
 #include <holdfast/optics/point_mesh_lens.hpp>
 #include <holdfast/optics/polynomial_lens.hpp>

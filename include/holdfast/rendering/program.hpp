@@ -3,6 +3,7 @@
 /// Errors: ShaderError with the shader's file name, the line when the driver's log tells it, and the whole log.
 #pragma once
 
+#include <array>
 #include <cctype>
 #include <optional>
 #include <string>
@@ -95,6 +96,12 @@ class Program {
   void set(GLint location, const Matrix3& m) const {
     const MatrixOf<float, 3> f = m.cast<float>();
     context_->gl().ProgramUniformMatrix3fv(id(), location, 1, GL_FALSE, f.data());
+  }
+  /// An array of three.
+  void set(GLint location, const std::array<Matrix3, 3>& matrices) const {
+    std::array<MatrixOf<float, 3>, 3> f;
+    for (std::size_t i = 0; i < 3; ++i) f[i] = matrices[i].cast<float>();
+    context_->gl().ProgramUniformMatrix3fv(id(), location, 3, GL_FALSE, f[0].data());
   }
   void set(GLint location, const Matrix4& m) const {
     const MatrixOf<float, 4> f = m.cast<float>();

@@ -5,6 +5,7 @@
 #include <holdfast/rendering/backend.hpp>
 #include <holdfast/rendering/composition.hpp>
 #include <holdfast/rendering/context.hpp>
+#include <holdfast/rendering/coverage_mask.hpp>
 #include <holdfast/rendering/egl_context.hpp>
 #include <holdfast/rendering/flat_shape.hpp>
 #include <holdfast/rendering/frame_time.hpp>
@@ -12,6 +13,7 @@
 #include <holdfast/rendering/gl_functions.hpp>
 #include <holdfast/rendering/gl_object.hpp>
 #include <holdfast/rendering/image_compare.hpp>
+#include <holdfast/rendering/late_warp_pass.hpp>
 #include <holdfast/rendering/lens_pass.hpp>
 #include <holdfast/rendering/lit_painter.hpp>
 #include <holdfast/rendering/make_context.hpp>
@@ -21,7 +23,9 @@
 #include <holdfast/rendering/registration_scene.hpp>
 #include <holdfast/rendering/render_target.hpp>
 #include <holdfast/rendering/rolling.hpp>
+#include <holdfast/rendering/seen_mesh.hpp>
 #include <holdfast/rendering/shader_source.hpp>
 #include <holdfast/rendering/texture.hpp>
 #include <holdfast/rendering/view.hpp>
+#include <holdfast/rendering/warp_mesh.hpp>
 #include <holdfast/rendering/warp_pass.hpp>

@@ -23,6 +23,36 @@ struct LensModelWriter {
   OrderedJson operator()(const PolynomialLens& l) const {
     return {{"model", "polynomial"}, {"k0", l.k0()}, {"coefficients", list(l.coefficients())}};
   }
+  OrderedJson operator()(const PowerSeriesLens& l) const {
+    return {{"model", "power_series"}, {"coefficients", list(l.coefficients())}};
+  }
+  OrderedJson operator()(const ViveLens& l) const {
+    const ViveCoefficients& c = l.coefficients();
+    return {{"model", "vive"}, {"coefficients", {c.k1, c.k2, c.k3, c.k4}}};
+  }
+  OrderedJson operator()(const CatmullRomLens& l) const {
+    const CatmullRomCoefficients& c = l.coefficients();
+    return {{"model", "catmull_rom"}, {"knots", list(c.knots)}, {"r_max", c.r_max}, {"chroma", list(c.chroma)}};
+  }
+  OrderedJson operator()(const KannalaBrandtLens& l) const {
+    return {{"model", "kannala_brandt"}, {"coefficients", list(l.coefficients())}};
+  }
+  /// OpenCV's order: k1, k2, p1, p2, k3, k4, k5, k6.
+  OrderedJson operator()(const BrownConradyLens& l) const {
+    const BrownConradyCoefficients& c = l.coefficients();
+    return {{"model", "brown_conrady"}, {"coefficients", {c.k1, c.k2, c.p1, c.p2, c.k3, c.k4, c.k5, c.k6}}};
+  }
+  OrderedJson operator()(const BivariateLens& l) const {
+    const BivariateCoefficients& c = l.coefficients();
+    return {{"model", "bivariate"}, {"x", list(c.x)}, {"y", list(c.y)}, {"limit", c.limit}};
+  }
+  /// A formula that goes from the seen point to the panel.
+  template <LensModel M>
+  OrderedJson operator()(const ReversedLens<M>& l) const {
+    OrderedJson json = (*this)(l.model());
+    json["direction"] = "seen_to_panel";
+    return json;
+  }
   OrderedJson operator()(const PointMeshLens& l) const {
     OrderedJson samples = OrderedJson::array();
     for (const PointMeshSample& s : l.mesh().samples) {

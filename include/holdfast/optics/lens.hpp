@@ -20,10 +20,18 @@
 
 #include <holdfast/assert.hpp>
 #include <holdfast/geometry/types.hpp>
+#include <holdfast/optics/bivariate_lens.hpp>
+#include <holdfast/optics/brown_conrady_lens.hpp>
+#include <holdfast/optics/catmull_rom_lens.hpp>
+#include <holdfast/optics/kannala_brandt_lens.hpp>
 #include <holdfast/optics/lens_model.hpp>
+#include <holdfast/optics/lens_problem.hpp>
 #include <holdfast/optics/point_mesh_lens.hpp>
 #include <holdfast/optics/polynomial_lens.hpp>
+#include <holdfast/optics/power_series_lens.hpp>
 #include <holdfast/optics/radial_lens.hpp>
+#include <holdfast/optics/reversed_lens.hpp>
+#include <holdfast/optics/vive_lens.hpp>
 
 namespace holdfast {
 
@@ -40,9 +48,19 @@ struct LensPlacement {
   return {centre, Vector2(r_norm, r_norm)};
 }
 
+/// What makes a placement unusable: zero_scale or not_finite, else none.
+[[nodiscard]] inline LensProblem problem_of(const LensPlacement& placement) {
+  const Vector2& s = placement.scale;
+  if (!s.allFinite() || !placement.centre.allFinite()) return LensProblem::not_finite;
+  return s.x() != 0.0 && s.y() != 0.0 ? LensProblem::none : LensProblem::zero_scale;
+}
+
 class Lens {
  public:
-  using Model = std::variant<NoLens, RadialLens, PolynomialLens, PointMeshLens>;
+  using Model =
+      std::variant<NoLens, RadialLens, PolynomialLens, PowerSeriesLens, ViveLens, CatmullRomLens, KannalaBrandtLens,
+                   BrownConradyLens, BivariateLens, PointMeshLens, ReversedLens<PolynomialLens>,
+                   ReversedLens<PowerSeriesLens>, ReversedLens<BrownConradyLens>>;
 
   Lens() = default;
 
@@ -54,9 +72,8 @@ class Lens {
 
   Lens(Model model, const LensPlacement& placement, double k_pd = 0.0)
       : model_(std::move(model)), placement_(placement), k_pd_(k_pd) {
-    const Vector2& s = placement.scale;
-    HOLDFAST_ASSERT(s.allFinite() && s.x() != 0.0 && s.y() != 0.0, "a lens's scale must be finite and not zero");
-    HOLDFAST_ASSERT(placement.centre.allFinite() && std::isfinite(k_pd), "a lens's numbers must be finite");
+    HOLDFAST_ASSERT(problem_of(placement) == LensProblem::none, "a lens's scale must be finite and not zero");
+    HOLDFAST_ASSERT(std::isfinite(k_pd), "a lens's numbers must be finite");
   }
 
   [[nodiscard]] const Model& model() const { return model_; }
@@ -77,38 +94,45 @@ class Lens {
   [[nodiscard]] std::optional<Vector2> distort(const Vector2& panel) const {
     if (std::holds_alternative<NoLens>(model_)) return panel;  // to the last bit
     const Vector2 u = to_model(panel);
-    return from_model(std::visit([&](const auto& m) { return m.distort(u); }, model_));
+    return from_model(with_model([&](const auto& m) { return m.distort(u); }));
   }
   /// The panel point that is seen at tangent `seen`.
   [[nodiscard]] std::optional<Vector2> undistort(const Vector2& seen) const {
     if (std::holds_alternative<NoLens>(model_)) return seen;
     const Vector2 u = to_model(seen);
-    return from_model(std::visit([&](const auto& m) { return m.undistort(u); }, model_));
+    return from_model(with_model([&](const auto& m) { return m.undistort(u); }));
   }
   /// d distort / d panel.
   [[nodiscard]] Matrix2 distort_jacobian(const Vector2& panel) const {
     const Vector2 u = to_model(panel);
-    return from_model(Matrix2(std::visit([&](const auto& m) { return m.distort_jacobian(u); }, model_)));
+    return from_model(Matrix2(with_model([&](const auto& m) { return m.distort_jacobian(u); })));
   }
   /// d undistort / d seen; nothing outside the domain and where it is infinite.
   [[nodiscard]] std::optional<Matrix2> undistort_jacobian(const Vector2& seen) const {
     const Vector2 u = to_model(seen);
-    const std::optional<Matrix2> J = std::visit([&](const auto& m) { return m.undistort_jacobian(u); }, model_);
+    const std::optional<Matrix2> J = with_model([&](const auto& m) { return m.undistort_jacobian(u); });
     return J ? std::optional<Matrix2>(from_model(*J)) : std::nullopt;
   }
   /// The largest disc round the centre, in tangents, inside which distort is known to be one-to-one.
   [[nodiscard]] double valid_radius() const {
-    return smaller_scale() * std::visit([](const auto& m) { return m.valid_radius(); }, model_);
+    return smaller_scale() * with_model([](const auto& m) { return m.valid_radius(); });
   }
   /// The largest disc round the centre, in seen tangents, that undistort surely answers.
   [[nodiscard]] double valid_image_radius() const {
-    return smaller_scale() * std::visit([](const auto& m) { return m.valid_image_radius(); }, model_);
+    return smaller_scale() * with_model([](const auto& m) { return m.valid_image_radius(); });
   }
 
   /// The paper's predistortion u (1 + k_pd |u|^2), itself a lens: draw at cubic_inverse().distort(ideal).
   [[nodiscard]] Lens cubic_inverse() const { return {RadialLens{k_pd_}, placement_}; }
 
  private:
+  /// std::visit, which takes an indirect call for so many, with the most common models first.
+  template <typename Function>
+  [[nodiscard]] std::invoke_result_t<const Function&, const RadialLens&> with_model(const Function& f) const {
+    if (const auto* radial = std::get_if<RadialLens>(&model_)) return f(*radial);
+    if (const auto* polynomial = std::get_if<PolynomialLens>(&model_)) return f(*polynomial);
+    return std::visit(f, model_);
+  }
   [[nodiscard]] Vector2 to_model(const Vector2& t) const {
     return (t - placement_.centre).cwiseQuotient(placement_.scale);
   }

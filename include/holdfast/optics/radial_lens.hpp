@@ -22,6 +22,7 @@
 #include <optional>
 
 #include <holdfast/geometry/types.hpp>
+#include <holdfast/optics/lens_problem.hpp>
 
 namespace holdfast {
 
@@ -53,6 +54,10 @@ inline double cubic_scale(double c) {
 
 struct RadialLens {
   double k = 0.0;  ///< distortion at r = 1, i.e. at r_norm from the centre (k_n in the paper)
+
+  [[nodiscard]] static LensProblem problem_of(double k) {
+    return std::isfinite(k) ? LensProblem::none : LensProblem::not_finite;
+  }
 
   /// Panel radius up to which distort is one-to-one: 1/sqrt(-3k); infinite for k >= 0.
   [[nodiscard]] double valid_radius() const {

@@ -3,6 +3,7 @@
 
 #include <holdfast/deflection/composed_warp.hpp>
 #include <holdfast/deflection/coverage.hpp>
+#include <holdfast/deflection/cpu_warp.hpp>
 #include <holdfast/deflection/deflect.hpp>
 #include <holdfast/deflection/deflected_mesh.hpp>
 #include <holdfast/deflection/depth_image.hpp>
@@ -10,7 +11,9 @@
 #include <holdfast/deflection/depth_raster.hpp>
 #include <holdfast/deflection/depth_search.hpp>
 #include <holdfast/deflection/depth_surface.hpp>
+#include <holdfast/deflection/picture_span.hpp>
 #include <holdfast/deflection/rendered_picture.hpp>
 #include <holdfast/deflection/scan_homography.hpp>
 #include <holdfast/deflection/scan_pose.hpp>
 #include <holdfast/deflection/source_state.hpp>
+#include <holdfast/deflection/warp_lattice.hpp>

@@ -1,10 +1,10 @@
 /// A view of a picture in someone else's memory: RGBA, four channels a pixel, 8 bits or float each.
 ///
-/// Rows from the bottom up, as everywhere here: pixels, origin at the lower left, the centre of pixel (0, 0) at
-/// (0.5, 0.5). `stride` is the distance between the starts of neighbouring rows, counted in channels; it may exceed
-/// 4 * width (a part of a larger picture). Values are numbers: no colour conversion is done anywhere. A span owns nothing
-/// and is as cheap to pass as a pointer. A `PictureSpan<T>` becomes a `PictureSpan<const T>` by itself. Bad input:
-/// problem_of names it.
+/// Rows from the bottom up, as everywhere here: pixels, origin at the lower left, the centre of pixel (0, 0) at (0.5,
+/// 0.5). `stride` is the distance between the starts of neighbouring rows, counted in channels; it may exceed 4 * width
+/// (a part of a larger picture). Values are numbers: no colour conversion is done anywhere. A span owns nothing and is
+/// as cheap to pass as a pointer. A `PictureSpan<T>` becomes a `PictureSpan<const T>` by itself. Bad input: problem_of
+/// names it.
 #pragma once
 
 #include <cstddef>
@@ -63,7 +63,8 @@ template <typename Channel>
   return PictureProblem::none;
 }
 
-/// Whether two sound pictures lie in common memory. Two parts of one larger picture may, even though no pixel is shared.
+/// Whether two sound pictures lie in common memory. Two parts of one larger picture may, even though no pixel is
+/// shared.
 template <typename A, typename B>
 [[nodiscard]] bool overlap(const PictureSpan<A>& a, const PictureSpan<B>& b) {
   const std::less<const void*> before;  // a total order, also between different arrays

@@ -1,9 +1,9 @@
 /// What the CPU warp's inner loops share: the source picture, a run of positions in it, and the filters pixel by pixel.
 ///
-/// Positions are counted in texels: (0, 0) is the CENTRE of the source pixel at the lower left, so a position is the source
-/// pixel minus one half. A position outside the picture's rectangle, or NaN, is not covered and gets the border's colour;
-/// the half pixel inside the rectangle's edge repeats the edge, as GL_CLAMP_TO_EDGE does. The functions here are the
-/// portable ones; warp_sample_avx2.hpp holds the same eight pixels at a time.
+/// Positions are counted in texels: (0, 0) is the CENTRE of the source pixel at the lower left, so a position is the
+/// source pixel minus one half. A position outside the picture's rectangle, or NaN, is not covered and gets the
+/// border's colour; the half pixel inside the rectangle's edge repeats the edge, as GL_CLAMP_TO_EDGE does. The
+/// functions here are the portable ones; warp_sample_avx2.hpp holds the same eight pixels at a time.
 #pragma once
 
 #include <algorithm>
@@ -23,12 +23,21 @@ enum class WarpFilter {
 
 namespace detail {
 
-/// Target pixels that are worked on together: a multiple of the lens cells' side and of the vectors' width.
-inline constexpr int run_pixels = 128;
+/// Target pixels of a row that are worked on together: a multiple of the lens cells' side and of the vectors' width.
+inline constexpr int run_pixels = 256;
 
+/// Positions of a run's pixels in the source, in texels.
 struct WarpRun {
   alignas(32) float x[run_pixels];
   alignas(32) float y[run_pixels];
+};
+
+/// Where a run's pixels go.
+template <typename Channel>
+struct WarpRow {
+  Channel* pixels = nullptr;
+  int count = 0;
+  bool stream = false;  ///< write past the caches, as the target is too large to be found there again
 };
 
 template <typename Channel>
@@ -58,7 +67,8 @@ Channel as_channel(float value) {
 
 template <typename Channel>
 [[nodiscard]] bool is_covered(const WarpSource<Channel>& s, float x, float y) {
-  return x >= -0.5F && y >= -0.5F && x <= static_cast<float>(s.width) - 0.5F && y <= static_cast<float>(s.height) - 0.5F;
+  return x >= -0.5F && y >= -0.5F && x <= static_cast<float>(s.width) - 0.5F &&
+         y <= static_cast<float>(s.height) - 0.5F;
 }
 
 /// Precondition: is_covered.
@@ -113,10 +123,11 @@ void sample(const WarpSource<Channel>& s, float x, float y, Channel* out) {
   }
 }
 
-/// The first `count` positions of a run, into a row of the target.
 template <typename Channel, WarpFilter Filter>
-void sample_run(const WarpSource<Channel>& s, const WarpRun& run, int count, Channel* out) {
-  for (int i = 0; i < count; ++i) sample<Channel, Filter>(s, run.x[i], run.y[i], out + 4 * i);
+void sample_run(const WarpSource<Channel>& s, const WarpRun& run, const WarpRow<Channel>& row) {
+  for (int i = 0; i < row.count; ++i) {
+    sample<Channel, Filter>(s, run.x[i], run.y[i], row.pixels + 4 * static_cast<std::ptrdiff_t>(i));
+  }
 }
 
 }  // namespace detail

@@ -1,8 +1,8 @@
 /// Threads that wait for work: made once, woken for each frame, without locks or memory of their own.
 ///
-/// run(items, task) calls task(i) once for every i in [0, items) and returns when all are done. The calling thread takes
-/// part. Items are dealt one by one to whoever is free, so that a thread that is held up costs little. Threads that wake
-/// too late to find work are not waited for. One run at a time; the task must not throw.
+/// run(items, task) calls task(i) once for every i in [0, items) and returns when all are done. The calling thread
+/// takes part. Items are dealt one by one to whoever is free, so that a thread that is held up costs little. Threads
+/// that wake too late to find work are not waited for. One run at a time; the task must not throw.
 #pragma once
 
 #include <atomic>
@@ -67,7 +67,8 @@ class WorkerPool {
   [[nodiscard]] bool enter() {
     std::uint32_t gate = gate_.load(std::memory_order_relaxed);
     while ((gate & open) != 0U) {
-      if (gate_.compare_exchange_weak(gate, gate + 1, std::memory_order_acquire, std::memory_order_relaxed)) return true;
+      if (gate_.compare_exchange_weak(gate, gate + 1, std::memory_order_acquire, std::memory_order_relaxed))
+        return true;
     }
     return false;
   }

@@ -1,0 +1,99 @@
+/// One frame of the CPU warp, cut into tiles that threads draw independently.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include <holdfast/deflection/detail/lens_cells.hpp>
+#include <holdfast/deflection/detail/scan_lines.hpp>
+#include <holdfast/deflection/detail/warp_kernels.hpp>
+#include <holdfast/deflection/picture_span.hpp>
+#include <holdfast/deflection/warp_lattice.hpp>
+
+namespace holdfast::detail {
+
+template <typename Channel>
+struct WarpFrame {
+  static constexpr int tile_rows = 16;  ///< of run_pixels columns: source and target stay in the nearest cache
+
+  const WarpLattice* lattice = nullptr;
+  const ScanLines* lines = nullptr;
+  WarpSource<Channel> source;
+  PictureSpan<Channel> target;
+  PositionKernels positions;
+  SampleKernel<Channel> sample = nullptr;
+  void (*finish)() = nullptr;
+  bool stream = false;
+
+  [[nodiscard]] int tile_columns() const { return (target.width + run_pixels - 1) / run_pixels; }
+  [[nodiscard]] int tiles() const { return tile_columns() * ((target.height + tile_rows - 1) / tile_rows); }
+
+  void draw_tile(int tile) const {
+    const int x = tile % tile_columns() * run_pixels;
+    const int y = tile / tile_columns() * tile_rows;
+    for (int row = y; row < std::min(y + tile_rows, target.height); ++row) draw_row(x, row);
+    finish();
+  }
+
+ private:
+  void draw_row(int x, int y) const {
+    const WarpRow<Channel> row{target.pixel(x, y), std::min(run_pixels, target.width - x), stream};
+    if (lattice->per_color()) {
+      draw_colors(x, y, row);
+    } else {
+      WarpRun run;
+      locate(Color::green, x, y, row.count, run);
+      sample(source, run, row);
+    }
+  }
+
+  /// Every colour from its own place; covered is what is covered in all of them.
+  void draw_colors(int x, int y, const WarpRow<Channel>& row) const {
+    WarpRun run[3];
+    for (int c = 0; c < 3; ++c) locate(static_cast<Color>(c), x, y, row.count, run[c]);
+    for (int i = 0; i < row.count; ++i) {
+      const bool covered = is_covered(source, run[0].x[i], run[0].y[i]) &&
+                           is_covered(source, run[1].x[i], run[1].y[i]) && is_covered(source, run[2].x[i], run[2].y[i]);
+      if (covered) continue;
+      for (WarpRun& r : run) r.x[i] = std::numeric_limits<float>::quiet_NaN();
+    }
+    alignas(32) Channel red[4 * run_pixels];
+    alignas(32) Channel blue[4 * run_pixels];
+    sample(source, run[0], {red, row.count, false});
+    sample(source, run[1], {row.pixels, row.count, false});
+    sample(source, run[2], {blue, row.count, false});
+    for (int i = 0; i < 4 * row.count; i += 4) {
+      row.pixels[i] = red[i];
+      row.pixels[i + 2] = blue[i + 2];
+    }
+  }
+
+  void locate(Color color, int x, int y, int count, WarpRun& run) const {
+    const LineMatrix line = lines->at_row(y);
+    const float centre_y = static_cast<float>(y) + 0.5F;
+    if (lattice->is_linear()) {
+      positions.linear(line, centre_y, {x, count, run.x, run.y});
+      return;
+    }
+    const LensCells& cells = lattice->cells(color);
+    for (int i = 0; i < count; i += cell_pixels) {
+      const WarpPiece piece{x + i, std::min(cell_pixels, count - i), run.x + i, run.y + i};
+      const LensCell& cell = cells.at(piece.x, y);
+      const float* numbers = cells.numbers.data() + cell.offset;
+      if (cell.kind == LensCellKind::cubic) {
+        const float from_centre = static_cast<float>(piece.x) + 0.5F - cell_centre(piece.x);
+        positions.cubic(line, numbers, from_centre, centre_y - cell_centre(y), piece);
+      } else if (cell.kind == LensCellKind::dense) {
+        const float* t_x = numbers + static_cast<std::ptrdiff_t>(2 * cell_pixels) * (y % cell_pixels);
+        positions.dense(line, t_x, t_x + cell_pixels, piece);
+      } else {
+        std::fill(piece.out_x, piece.out_x + cell_pixels, std::numeric_limits<float>::quiet_NaN());
+        std::fill(piece.out_y, piece.out_y + cell_pixels, std::numeric_limits<float>::quiet_NaN());
+      }
+    }
+  }
+};
+
+}  // namespace holdfast::detail

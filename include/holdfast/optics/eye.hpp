@@ -14,12 +14,14 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <vector>
 
 #include <holdfast/assert.hpp>
 #include <holdfast/geometry/rigid.hpp>
 #include <holdfast/geometry/tangents_of_point.hpp>
 #include <holdfast/optics/lens.hpp>
 #include <holdfast/optics/lens_mode.hpp>
+#include <holdfast/optics/lens_relief.hpp>
 #include <holdfast/optics/projection.hpp>
 #include <holdfast/optics/tangents.hpp>
 
@@ -44,8 +46,9 @@ struct EyeModel {
   std::optional<Lens> lens_blue;  ///< when blue is
   bool upside_down = false;       ///< the panel is mounted turned by 180 degrees
   double image_distance_m =
-      std::numeric_limits<double>::infinity();  ///< of the virtual image, |z_p|; infinite: collimated
-  double eye_relief_m = 0.0;                    ///< eye to lens; 0: not known
+      std::numeric_limits<double>::infinity();   ///< of the virtual image, |z_p|; infinite: collimated
+  double eye_relief_m = 0.0;                     ///< eye to lens; 0: not known
+  std::vector<LensesAtRelief> lenses_at_relief;  ///< rising; what with_eye_relief chooses the lenses from
 
   [[nodiscard]] const Lens& lens_of(Color color) const {
     if (color == Color::red && lens_red) return *lens_red;

@@ -6,7 +6,9 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <holdfast/assert.hpp>
 #include <holdfast/geometry/angle.hpp>
@@ -44,13 +46,21 @@ struct HmdModel {
 
 namespace detail {
 
+/// `change` done to each lens of an eye, or of a table's row.
+template <typename HasLenses, typename Change>
+void change_lenses(HasLenses& eye, const Change& change) {
+  eye.lens = change(eye.lens);
+  if (eye.lens_red) eye.lens_red = change(*eye.lens_red);
+  if (eye.lens_blue) eye.lens_blue = change(*eye.lens_blue);
+}
+
 inline void move_optics(EyeModel& eye, double scale, const Vector2& shift) {
   const FieldTangents t = eye.tangents;
   eye.tangents = {t.left * scale + shift.x(), t.right * scale + shift.x(), t.down * scale + shift.y(),
                   t.up * scale + shift.y()};
-  eye.lens = moved(eye.lens, scale, shift);
-  if (eye.lens_red) eye.lens_red = moved(*eye.lens_red, scale, shift);
-  if (eye.lens_blue) eye.lens_blue = moved(*eye.lens_blue, scale, shift);
+  const auto change = [&](const Lens& lens) { return moved(lens, scale, shift); };
+  change_lenses(eye, change);
+  for (LensesAtRelief& row : eye.lenses_at_relief) change_lenses(row, change);
 }
 
 }  // namespace detail
@@ -63,9 +73,9 @@ inline void move_optics(EyeModel& eye, double scale, const Vector2& shift) {
   const Vector3& p = eye.X_HE.p();
   other.X_HE = Rigid(Quaternion(q.w(), q.x(), -q.y(), -q.z()), Vector3(-p.x(), p.y(), p.z()));
   other.tangents = mirrored(eye.tangents);
-  other.lens = mirrored(eye.lens);
-  if (eye.lens_red) other.lens_red = mirrored(*eye.lens_red);
-  if (eye.lens_blue) other.lens_blue = mirrored(*eye.lens_blue);
+  const auto change = [](const Lens& lens) { return mirrored(lens); };
+  detail::change_lenses(other, change);
+  for (LensesAtRelief& row : other.lenses_at_relief) detail::change_lenses(row, change);
   return other;
 }
 
@@ -91,17 +101,27 @@ inline void move_optics(EyeModel& eye, double scale, const Vector2& shift) {
 }
 
 /// The headset worn with another distance of the eyes from the lenses. The virtual image stays where it is, so its
-/// tangents shrink as the eye goes back. Precondition: the relief is known (eye_relief_m > 0) and stays positive.
+/// tangents shrink as the eye goes back. An eye whose lenses were measured at several reliefs takes its lenses from
+/// there (lenses_at), in the tangents that they were measured in. Precondition: the relief is known (eye_relief_m > 0)
+/// and stays positive.
 [[nodiscard]] inline HmdModel with_eye_relief(HmdModel hmd, double eye_relief_m) {
   for (EyeModel* eye : {&hmd.left, &hmd.right}) {
     HOLDFAST_ASSERT(eye->eye_relief_m > 0.0 && eye_relief_m > 0.0, "the eye relief must be known and positive");
     const double back = eye_relief_m - eye->eye_relief_m;
     eye->X_HE = eye->X_HE * Rigid::translation(Vector3(0.0, 0.0, back));
     eye->eye_relief_m = eye_relief_m;
-    if (std::isinf(eye->image_distance_m)) continue;
-    const double old_distance = eye->image_distance_m;
-    eye->image_distance_m += back;
-    detail::move_optics(*eye, old_distance / eye->image_distance_m, Vector2::Zero());
+    const std::vector<LensesAtRelief> table = eye->lenses_at_relief;
+    if (!std::isinf(eye->image_distance_m)) {
+      const double old_distance = eye->image_distance_m;
+      eye->image_distance_m += back;
+      detail::move_optics(*eye, old_distance / eye->image_distance_m, Vector2::Zero());
+    }
+    if (const std::optional<LensesAtRelief> lenses = lenses_at(table, eye_relief_m)) {
+      eye->lens = lenses->lens;
+      eye->lens_red = lenses->lens_red;
+      eye->lens_blue = lenses->lens_blue;
+      eye->lenses_at_relief = table;
+    }
   }
   return hmd;
 }

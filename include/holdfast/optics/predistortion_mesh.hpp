@@ -6,11 +6,12 @@
 /// Adaptive: the panel is cut by newest-vertex bisection (Mitchell 1989: triangles are halved at the middle of their
 /// longest edge, together with the neighbour across it, so no vertex ever stands on another triangle's edge and no
 /// crack can open) until linear interpolation differs from the exact lens by at most max_error_px, in pixels of a source
-/// picture with the eye's own tangents and resolution. Each triangle is tried at ten points, which fix a cubic exactly;
-/// the error is taken 5 % larger than found there. Fixed: columns x rows cells, for comparison.
+/// picture with the eye's own tangents and resolution. Where nothing cuts the mesh, each of these triangles is then drawn
+/// as 64 equal ones. The error is found from the lens's exact values at points that fix a cubic, and taken 5 % larger.
+/// Fixed: columns x rows cells, for comparison.
 ///
-/// Edge: where the lens has no domain, all but folds (a neighbourhood of the panel seen 32 times smaller or larger in
-/// some direction), or shows what lies outside `field`, nothing is drawn. Vertices are placed on that border, so it is a
+/// Edge: where the lens has no domain, all but folds (something is seen 32 times smaller than it is drawn, or drawn 8
+/// times smaller by the cubic), or shows what lies outside `field`, nothing is drawn. Vertices are placed on that border, so it is a
 /// smooth line. With lenses of their own for red and blue, all three colours end together.
 ///
 /// The right eye's mesh is made as the mirror image of a left eye's, and an upside-down panel's by a half turn:

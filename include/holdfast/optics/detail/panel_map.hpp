@@ -12,6 +12,7 @@
 #include <variant>
 
 #include <holdfast/optics/eye.hpp>
+#include <holdfast/optics/point_mesh_lens.hpp>
 
 namespace holdfast::detail {
 
@@ -30,6 +31,7 @@ class PanelMap {
     for (int c = 0; c < colours_; ++c) {
       const Lens& lens = eye.lens_of(colours_ == 3 ? static_cast<Color>(c) : Color::green);
       lenses_[static_cast<std::size_t>(c)] = inverse_ ? lens.cubic_inverse() : lens;
+      smooth_ = smooth_ && (identity_ || inverse_ || lens.model_if<PointMeshLens>() == nullptr);
     }
     if (colours_ == 1) identity_ = identity_ || lenses_[0].model_if<NoLens>() != nullptr;
     if (!field) return;
@@ -39,6 +41,8 @@ class PanelMap {
   }
 
   [[nodiscard]] int colours() const { return colours_; }
+  /// A few points tell how the lens bends between them, and no border is expected but perhaps that of its domain.
+  [[nodiscard]] bool is_simple() const { return smooth_ && !inverse_ && !field_ && !identity_; }
   /// Every panel point shows its own tangent.
   [[nodiscard]] bool is_identity() const { return identity_; }
   [[nodiscard]] bool is_bounded() const { return !identity_ || field_.has_value(); }
@@ -63,11 +67,11 @@ class PanelMap {
   }
 
  private:
-  static constexpr double least_scale = 1.0 / 32.0;
-
-  /// Something is seen less than least_scale as large as it is, at least nearly (its smallest singular value is
-  /// between det / |J| and sqrt(2) times that).
-  [[nodiscard]] static bool all_but_folds(const Matrix2& J) { return !(J.determinant() >= least_scale * J.norm()); }
+  /// Something is seen less than 1/32 as large as it is; of the cubic, drawn less than 1/8 as large. (The smallest
+  /// singular value is between det / |J| and sqrt(2) times that.)
+  [[nodiscard]] bool all_but_folds(const Matrix2& J) const {
+    return !(J.determinant() >= (inverse_ ? 1.0 / 8.0 : 1.0 / 32.0) * J.norm());
+  }
 
   template <typename Model>
   void look_through(const Model& model, std::size_t c, std::span<const Vector2> panel, PanelLook* out) const {
@@ -102,7 +106,7 @@ class PanelMap {
 
   std::array<Lens, 3> lenses_;
   int colours_ = 1;
-  bool inverse_, identity_;
+  bool inverse_, identity_, smooth_ = true;
   std::optional<FieldTangents> field_;
 };
 

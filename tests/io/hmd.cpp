@@ -282,21 +282,6 @@ TEST_CASE("files of another kind are called by their own name") {
   check_error("{\"display\": {\"hmd\": {}}}", 1, "", "OSVR descriptor", "");
 }
 
-TEST_CASE("OSVR's own descriptors are recognised") {
-  const auto file = std::filesystem::path(HOLDFAST_RECORDINGS) / "hmd" / "OSVR_HDK_2_0.json";
-  if (!std::filesystem::exists(file)) {
-    MESSAGE("skipped: " << file.string() << " is absent");
-    return;
-  }
-  try {
-    static_cast<void>(io::read_hmd(file));
-    FAIL("accepted");
-  } catch (const io::InputError& error) {
-    CHECK(error.problem().find("OSVR") != std::string::npos);
-    CHECK(error.file() == file.string());
-  }
-}
-
 TEST_CASE("files: missing, folders, and whole or not at all") {
   const auto folder = std::filesystem::temp_directory_path() / "holdfast_hmd_test";
   std::filesystem::create_directories(folder);

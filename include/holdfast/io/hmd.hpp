@@ -1,5 +1,7 @@
-/// Headset descriptors: JSON files of the schema "holdfast/hmd/1" (assets/schema/hmd.schema.json) to and from HmdModel.
+/// Headset descriptors to and from HmdModel: our JSON, schema "holdfast/hmd/1" (assets/schema/hmd.schema.json), and,
+/// to read, OSVR's descriptors and meshes (osvr.hpp) and Cardboard viewers (cardboard.hpp).
 ///
+/// read_hmd tells the formats apart by their content. Of ours:
 /// The field of an eye is given in one of four ways: signed `tangents`, signed `angles_deg` (OpenXR), full `fov_deg`,
 /// or the virtual image's rectangle `virtual_image_m` (Robinett & Holloway 7.7). An eye that mirrors the other is
 /// written "mirrored". Lengths are in metres (key suffix _m), angles in degrees (_deg), times in milliseconds (_ms).
@@ -8,19 +10,58 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 
+#include <holdfast/io/cardboard.hpp>
 #include <holdfast/io/hmd_reader.hpp>
 #include <holdfast/io/hmd_writer.hpp>
 #include <holdfast/io/input_error.hpp>
+#include <holdfast/io/osvr.hpp>
 #include <holdfast/io/whole_file.hpp>
 #include <holdfast/optics/hmd.hpp>
 
 namespace holdfast::io {
 
+/// What formats other than ours do not say.
+struct HmdOptions {
+  OsvrAssumptions osvr;
+  std::optional<PhoneScreen> phone;  ///< in a Cardboard viewer
+};
+
+/// Reads a descriptor of any format; `file` is for messages, `beside` answers files that an OSVR descriptor names.
+[[nodiscard]] inline HmdModel parse_any_hmd(std::string_view text, std::string file, const BesideReader& beside,
+                                            const HmdOptions& options = {}) {
+  const std::size_t begin = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
+  const bool is_json =
+      begin != std::string_view::npos && (text[begin] == '{' || text[begin] == '[' || text[begin] == '/');
+  const auto with_phone = [&](const CardboardViewer& viewer) {
+    if (options.phone) return checked_cardboard_hmd(viewer, *options.phone, file);
+    throw InputError({.file = file,
+                      .problem = "this is a Cardboard viewer, which is a headset only with a phone",
+                      .expected = "the size and resolution of the phone's screen beside it"});
+  };
+  if (text.substr(begin == std::string_view::npos ? 0 : begin).starts_with("http")) {
+    return with_phone(parse_cardboard(text, file));
+  }
+  if (!is_json && text.find('\0') != std::string_view::npos) return with_phone(parse_cardboard_buffer(text, file));
+  const JsonDocument document = JsonDocument::parse(text, file);
+  const JsonNode root = document.root();
+  switch (detail::format_of(root)) {
+    case HmdFormat::osvr:
+      return osvr_of(root, document.file(), beside, options.osvr).hmd;
+    case HmdFormat::cardboard:
+      return with_phone(cardboard_of(root, file));
+    default:
+      return hmd_of(root);
+  }
+}
+
 /// Reads a descriptor file.
-[[nodiscard]] inline HmdModel read_hmd(const std::filesystem::path& path) {
-  return parse_hmd(read_whole_file(path), path.string());
+[[nodiscard]] inline HmdModel read_hmd(const std::filesystem::path& path, const HmdOptions& options = {}) {
+  return parse_any_hmd(read_whole_file(path), path.string(), files_in(path.parent_path()), options);
 }
 
 /// Writes a descriptor; the file appears whole or not at all. A model that read_hmd would refuse is refused here, by

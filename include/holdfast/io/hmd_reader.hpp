@@ -17,6 +17,9 @@ namespace holdfast::io {
 
 inline constexpr std::string_view hmd_schema = "holdfast/hmd/1";
 
+/// Formats that describe a headset.
+enum class HmdFormat { unknown, holdfast, osvr, cardboard };
+
 namespace detail {
 
 inline FieldTangents checked(const JsonNode& node, const FieldResult& result) {
@@ -153,17 +156,29 @@ inline DisplayTiming read_timing(const JsonNode& node) {
   return timing;
 }
 
+/// By the keys at the root.
+inline HmdFormat format_of(const JsonNode& root) {
+  if (!root.is_object()) return HmdFormat::unknown;
+  if (const auto schema = root.find("schema")) {
+    if (!schema->is_string()) return HmdFormat::unknown;
+    if (schema->string().rfind("holdfast/hmd/", 0) == 0) return HmdFormat::holdfast;
+    return schema->string().rfind("holdfast/cardboard/", 0) == 0 ? HmdFormat::cardboard : HmdFormat::unknown;
+  }
+  const std::optional<JsonNode> display = root.find("display");
+  const bool osvr = root.find("hmd") || (display && display->is_object() && display->find("hmd"));
+  return osvr ? HmdFormat::osvr : HmdFormat::unknown;
+}
+
 /// Says what a file is that is no descriptor of ours.
 inline void check_schema(const JsonNode& root) {
   const std::string ours = "\"schema\": \"" + std::string(hmd_schema) + "\"";
   if (!root.is_object()) root.fail("the file holds no object", "a headset descriptor with " + ours);
+  if (format_of(root) == HmdFormat::osvr) {
+    root.fail("this is an OSVR descriptor", "a file with " + ours + "; read_hmd and parse_osvr read OSVR's");
+  }
   const std::optional<JsonNode> schema = root.find("schema");
   if (!schema) {
-    const std::optional<JsonNode> display = root.find("display");
-    const bool osvr = root.find("hmd") || (display && display->is_object() && display->find("hmd"));
-    root.fail(
-        osvr ? "this is an OSVR descriptor, which Holdfast does not read yet" : "this is not a headset descriptor",
-        "a file with " + ours + (osvr ? ": copy field of view, resolution and lens into one" : ""));
+    root.fail("this is not a headset descriptor", "a file with " + ours + ", or an OSVR descriptor with \"hmd\"");
   }
   const std::string name = schema->string();
   if (name == hmd_schema) return;
@@ -174,10 +189,8 @@ inline void check_schema(const JsonNode& root) {
 
 }  // namespace detail
 
-/// Reads a descriptor's text; `file` is only for messages.
-[[nodiscard]] inline HmdModel parse_hmd(std::string_view text, std::string file) {
-  const JsonDocument document = JsonDocument::parse(text, std::move(file));
-  const JsonNode root = document.root();
+/// Reads a descriptor of ours from its root.
+[[nodiscard]] inline HmdModel hmd_of(const JsonNode& root) {
   detail::check_schema(root);
   root.allow_only({"schema", "name", "source", "ipd_m", "optics_follow_ipd", "timing", "eyes"});
   HmdModel hmd;
@@ -197,6 +210,12 @@ inline void check_schema(const JsonNode& root) {
   hmd.right = right.is_string() ? mirrored(hmd.left) : detail::read_eye(right, EyeSide::right, hmd.ipd_m);
   if (left.is_string()) hmd.left = mirrored(hmd.right);
   return hmd;
+}
+
+/// Reads the text of a descriptor of ours; `file` is only for messages.
+[[nodiscard]] inline HmdModel parse_hmd(std::string_view text, std::string file) {
+  const JsonDocument document = JsonDocument::parse(text, std::move(file));
+  return hmd_of(document.root());
 }
 
 }  // namespace holdfast::io

@@ -35,6 +35,7 @@ class JsonDocument;
 class JsonNode {
  public:
   [[nodiscard]] const std::string& path() const { return path_; }
+  [[nodiscard]] bool is_boolean() const { return value_->is_boolean(); }
   [[nodiscard]] bool is_string() const { return value_->is_string(); }
   [[nodiscard]] bool is_object() const { return value_->is_object(); }
 

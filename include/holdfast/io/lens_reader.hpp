@@ -4,6 +4,8 @@
 /// place any model (LensPlacement). Bad input: io::InputError with line, key and what was expected.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -39,6 +41,12 @@ inline std::vector<double> read_coefficients(const JsonNode& node, std::size_t f
   return k;
 }
 
+template <std::size_t N>
+void read_fixed(const JsonNode& node, std::array<double, N>& numbers) {
+  const std::vector<double> k = read_coefficients(node, N, N);
+  std::copy(k.begin(), k.end(), numbers.begin());
+}
+
 /// Refuses keys that neither the model nor its placement has.
 inline void allow_lens_keys(const JsonNode& node, std::initializer_list<std::string_view> of_model) {
   std::vector<std::string_view> keys{"model", "k_pd", "r_norm", "scale", "centre"};
@@ -46,9 +54,78 @@ inline void allow_lens_keys(const JsonNode& node, std::initializer_list<std::str
   node.allow_only(keys);
 }
 
+/// Refuses what the model cannot use, by the model's own words.
+inline void require_usable(const JsonNode& node, LensProblem problem) {
+  if (problem != LensProblem::none)
+    node.fail(std::string(describe(problem)), "coefficients of a lens that can be inverted");
+}
+
 inline PolynomialLens read_polynomial(const JsonNode& node) {
-  const std::vector<double> k = read_coefficients(node.at("coefficients"), 1, PolynomialLens::max_coefficients);
-  return PolynomialLens(k, number_or(node, "k0", 1.0, 0.1, 10.0));
+  const JsonNode list = node.at("coefficients");
+  const std::vector<double> k = read_coefficients(list, 1, PolynomialLens::max_coefficients);
+  const double k0 = number_or(node, "k0", 1.0, 0.1, 10.0);
+  require_usable(list, PolynomialLens::problem_of(k, k0));
+  return PolynomialLens(k, k0);
+}
+
+inline PowerSeriesLens read_power_series(const JsonNode& node) {
+  const JsonNode list = node.at("coefficients");
+  const std::vector<double> c = read_coefficients(list, 1, PowerSeriesLens::max_coefficients);
+  require_usable(list, PowerSeriesLens::problem_of(c));
+  return PowerSeriesLens(c);
+}
+
+/// k1, k2, k3 and, if it is there, k4.
+inline ViveLens read_vive(const JsonNode& node) {
+  const JsonNode list = node.at("coefficients");
+  std::vector<double> k = read_coefficients(list, 3, 4);
+  k.resize(4, 0.0);
+  const ViveCoefficients c{k[0], k[1], k[2], k[3]};
+  require_usable(list, ViveLens::problem_of(c));
+  return ViveLens(c);
+}
+
+inline CatmullRomLens read_catmull_rom(const JsonNode& node) {
+  CatmullRomCoefficients c;
+  read_fixed(node.at("knots"), c.knots);
+  c.r_max = node.at("r_max").number(1e-6, largest_tangent);
+  if (const auto chroma = node.find("chroma")) read_fixed(*chroma, c.chroma);
+  require_usable(node, CatmullRomLens::problem_of(c));
+  return CatmullRomLens(c);
+}
+
+inline KannalaBrandtLens read_kannala_brandt(const JsonNode& node) {
+  KannalaBrandtLens::Coefficients k{};
+  read_fixed(node.at("coefficients"), k);
+  require_usable(node, KannalaBrandtLens::problem_of(k));
+  return KannalaBrandtLens(k);
+}
+
+/// OpenCV's order: k1, k2, p1, p2 and, as far as they are there, k3, k4, k5, k6.
+inline BrownConradyLens read_brown_conrady(const JsonNode& node) {
+  const JsonNode list = node.at("coefficients");
+  std::vector<double> k = read_coefficients(list, 4, 8);
+  k.resize(8, 0.0);
+  const BrownConradyCoefficients c{k[0], k[1], k[2], k[3], k[4], k[5], k[6], k[7]};
+  require_usable(list, BrownConradyLens::problem_of(c));
+  return BrownConradyLens(c);
+}
+
+inline BivariateLens read_bivariate(const JsonNode& node) {
+  BivariateCoefficients c;
+  read_fixed(node.at("x"), c.x);
+  read_fixed(node.at("y"), c.y);
+  c.limit = number_or(node, "limit", c.limit, 1e-6, largest_tangent);
+  require_usable(node, BivariateLens::problem_of(c));
+  return BivariateLens(c);
+}
+
+/// "direction": "seen_to_panel" turns the model round.
+template <LensModel M>
+[[nodiscard]] Lens::Model directed(const JsonNode& node, M model) {
+  const std::optional<JsonNode> direction = node.find("direction");
+  if (!direction || direction->choice({"panel_to_seen", "seen_to_panel"}) == 0) return model;
+  return ReversedLens<M>(std::move(model));
 }
 
 /// The lens of samples that stand at `node` (sample i at node's i-th element).
@@ -75,7 +152,8 @@ inline PointMeshLens read_point_mesh(const JsonNode& node) {
 }
 
 inline Lens::Model read_lens_model(const JsonNode& node) {
-  switch (node.at("model").choice({"none", "radial", "polynomial", "point_mesh"})) {
+  switch (node.at("model").choice({"none", "radial", "polynomial", "power_series", "vive", "catmull_rom",
+                                   "kannala_brandt", "brown_conrady", "bivariate", "point_mesh"})) {
     case 0:
       node.allow_only({"model"});
       return NoLens{};
@@ -83,8 +161,26 @@ inline Lens::Model read_lens_model(const JsonNode& node) {
       allow_lens_keys(node, {"k"});
       return RadialLens{node.at("k").number(-largest_coefficient, largest_coefficient)};
     case 2:
-      allow_lens_keys(node, {"k0", "coefficients"});
-      return read_polynomial(node);
+      allow_lens_keys(node, {"k0", "coefficients", "direction"});
+      return directed(node, read_polynomial(node));
+    case 3:
+      allow_lens_keys(node, {"coefficients", "direction"});
+      return directed(node, read_power_series(node));
+    case 4:
+      allow_lens_keys(node, {"coefficients"});
+      return read_vive(node);
+    case 5:
+      allow_lens_keys(node, {"knots", "r_max", "chroma"});
+      return read_catmull_rom(node);
+    case 6:
+      allow_lens_keys(node, {"coefficients"});
+      return read_kannala_brandt(node);
+    case 7:
+      allow_lens_keys(node, {"coefficients", "direction"});
+      return directed(node, read_brown_conrady(node));
+    case 8:
+      allow_lens_keys(node, {"x", "y", "limit"});
+      return read_bivariate(node);
     default:
       allow_lens_keys(node, {"samples"});
       return read_point_mesh(node);

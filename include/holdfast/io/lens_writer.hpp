@@ -79,18 +79,26 @@ inline OrderedJson lens_json(const Lens& lens) {
   return json;
 }
 
-/// JSON with two spaces a level, but arrays of plain values on one line.
-inline void append_pretty(std::string& text, const OrderedJson& json, std::size_t depth) {
+/// Plain values, arrays of them, and up to four such arrays together.
+[[nodiscard]] inline bool fits_one_line(const OrderedJson& json) {
+  if (json.is_primitive()) return true;
   const auto is_plain = [](const OrderedJson& e) { return e.is_primitive(); };
+  if (!json.is_array()) return false;
+  return std::all_of(json.begin(), json.end(), is_plain) ||
+         (json.size() <= 4 && std::all_of(json.begin(), json.end(), fits_one_line));
+}
+
+/// JSON with two spaces a level, but short arrays on one line. Text that is not UTF-8 gets replacement characters: a
+/// name must not keep a headset from being written.
+inline void append_pretty(std::string& text, const OrderedJson& json, std::size_t depth) {
   const auto plain_text = [](const OrderedJson& e) {
-    // Text that is not UTF-8 gets replacement characters: a name must not keep a headset from being written.
     return e.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
   };
   if (json.is_primitive() || json.empty()) {
     text += plain_text(json);
     return;
   }
-  const bool one_line = json.is_array() && std::all_of(json.begin(), json.end(), is_plain);
+  const bool one_line = fits_one_line(json);
   const std::string line = "\n" + std::string(2 * depth + 2, ' ');
   text += json.is_array() ? "[" : "{";
   bool first = true;

@@ -58,7 +58,7 @@ class LateWarpPass {
     gl.Disable(GL_DEPTH_TEST);
     gl.Disable(GL_BLEND);
     gl.Disable(GL_CULL_FACE);
-    const Pass& pass = pass_of(mesh.kind());
+    const Pass& pass = pass_of(mesh);
     const SourceMatrices M = source_matrices(source.view(), H_SE);
     pass.program.set(pass.source_of_tangent, {M.begin, M.linear(), M.quadratic()});
     pass.program.set(pass.line_of_place, line_fraction_coefficients(timing));
@@ -77,16 +77,9 @@ class LateWarpPass {
     GLint source_of_tangent, line_of_place;
   };
 
-  [[nodiscard]] const Pass& pass_of(WarpMesh::Kind kind) const {
-    switch (kind) {
-      case WarpMesh::Kind::panel:
-        break;
-      case WarpMesh::Kind::panel_per_colour:
-        return per_colour_;
-      case WarpMesh::Kind::seen:
-        return seen_;
-    }
-    return one_colour_;
+  [[nodiscard]] const Pass& pass_of(const WarpMesh& mesh) const {
+    if (mesh.kind() == WarpMesh::Kind::seen) return seen_;
+    return mesh.is_per_colour() ? per_colour_ : one_colour_;
   }
 
   Context* context_;

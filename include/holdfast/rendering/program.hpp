@@ -97,6 +97,12 @@ class Program {
     const MatrixOf<float, 3> f = m.cast<float>();
     context_->gl().ProgramUniformMatrix3fv(id(), location, 1, GL_FALSE, f.data());
   }
+  /// An array of two.
+  void set(GLint location, const std::array<Vector3, 2>& vectors) const {
+    std::array<VectorOf<float, 3>, 2> f;
+    for (std::size_t i = 0; i < 2; ++i) f[i] = vectors[i].cast<float>();
+    context_->gl().ProgramUniform3fv(id(), location, 2, f[0].data());
+  }
   /// An array of three.
   void set(GLint location, const std::array<Matrix3, 3>& matrices) const {
     std::array<MatrixOf<float, 3>, 3> f;

@@ -32,6 +32,8 @@ class RenderTarget {
     gl.TextureStorage2D(colour_.id(), 1, GL_RGBA8, width, height);
     set_sampling();
     gl.TextureStorage2D(depth_.id(), 1, GL_DEPTH_COMPONENT32F, width, height);
+    gl.TextureParameteri(depth_.id(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl.TextureParameteri(depth_.id(), GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     gl.NamedFramebufferTexture(resolved_.id(), GL_COLOR_ATTACHMENT0, colour_.id(), 0);
     gl.NamedFramebufferTexture(resolved_.id(), GL_DEPTH_ATTACHMENT, depth_.id(), 0);
     if (samples > 1) {
@@ -77,8 +79,17 @@ class RenderTarget {
     if (samples_ > 1) blit(GL_COLOR_BUFFER_BIT);
   }
 
+  /// Takes one depth a pixel over, needed before depth_texture() is sampled. With several samples it is one of them
+  /// (OpenGL leaves open which; Mesa takes the first), not their mean: depths of different surfaces must not be mixed.
+  void resolve_depth() {
+    context_->make_current();
+    if (samples_ > 1) blit(GL_DEPTH_BUFFER_BIT);
+  }
+
   /// The resolved picture as a texture (linear filter, clamped to its edge).
   [[nodiscard]] GLuint colour_texture() const { return colour_.id(); }
+  /// The resolved depth buffer as a texture: read it texel by texel (no filter).
+  [[nodiscard]] GLuint depth_texture() const { return depth_.id(); }
   [[nodiscard]] GLuint draw_framebuffer() const { return samples_ > 1 ? drawn_.id() : resolved_.id(); }
 
   /// Resolves and reads the picture into `image`, whose memory is reused when its size fits.
@@ -99,11 +110,9 @@ class RenderTarget {
   }
 
   /// The depth buffer, bottom row first, values as stored (0 near to 1 far unless the projection turns them round).
-  /// With several samples it is one of a pixel's samples, not their mean: depths of different surfaces must not be
-  /// mixed.
+  /// With several samples: see resolve_depth.
   void read_depth(std::vector<float>& depth) {
-    context_->make_current();
-    if (samples_ > 1) blit(GL_DEPTH_BUFFER_BIT);
+    resolve_depth();
     depth.resize(pixels());
     const GlFunctions& gl = context_->gl();
     gl.BindFramebuffer(GL_READ_FRAMEBUFFER, resolved_.id());

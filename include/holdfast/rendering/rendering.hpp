@@ -6,6 +6,8 @@
 #include <holdfast/rendering/composition.hpp>
 #include <holdfast/rendering/context.hpp>
 #include <holdfast/rendering/coverage_mask.hpp>
+#include <holdfast/rendering/depth_surface_texture.hpp>
+#include <holdfast/rendering/depth_warp_pass.hpp>
 #include <holdfast/rendering/egl_context.hpp>
 #include <holdfast/rendering/flat_shape.hpp>
 #include <holdfast/rendering/frame_time.hpp>

@@ -32,6 +32,7 @@ struct SeenVertex {
 struct SeenMesh {
   std::vector<SeenVertex> vertices;
   std::vector<std::uint32_t> triangles;  ///< three indices each
+  bool per_colour = false;               ///< red or blue are bent otherwise than green
   PixelSize resolution;                  ///< of the seen picture
 };
 
@@ -65,6 +66,7 @@ namespace detail {
   constexpr std::uint32_t none = 0xffffffff;
   SeenMesh mesh;
   mesh.resolution = eye.resolution;
+  mesh.per_colour = mode != LensMode::none && (eye.lens_red || eye.lens_blue);
   std::vector<std::uint32_t> number;
   for (int y = 0; y <= rows; ++y) {
     for (int x = 0; x <= columns; ++x) {

@@ -98,10 +98,10 @@ inline void require_triangles(std::size_t vertices, std::span<const std::uint32_
 
 class WarpMesh {
  public:
-  enum class Kind { panel, panel_per_colour, seen };
+  enum class Kind { panel, seen };
 
   WarpMesh(Context& context, const PredistortionMesh& mesh, double longest_edge = 1.0 / 32.0)
-      : WarpMesh(context, mesh.per_color ? Kind::panel_per_colour : Kind::panel, mesh.resolution) {
+      : WarpMesh(context, Kind::panel, mesh.per_color, mesh.resolution) {
     if (!mesh.ok()) throw RenderingError("no predistortion mesh: " + std::string(describe(mesh.problem)));
     detail::require_triangles(mesh.vertices.size(), mesh.triangles, mesh.resolution);
     HOLDFAST_ASSERT(longest_edge > 0.0, "edges have a length");
@@ -110,10 +110,13 @@ class WarpMesh {
     detail::split_long_edges(vertices, triangles, static_cast<float>(longest_edge));
     upload(std::as_bytes(std::span(vertices)), sizeof(PredistortionVertex), triangles);
     attribute(0, offsetof(PredistortionVertex, panel_x));
-    for (GLuint c = 0; c < 3; ++c) attribute(1 + c, offsetof(PredistortionVertex, tangent) + c * sizeof(float[2]));
+    for (GLuint c = 0; c < 3; ++c) {
+      attribute(1 + c, offsetof(PredistortionVertex, tangent) + c * sizeof(float[2]));
+      attribute(4 + c, offsetof(PredistortionVertex, panel_x));
+    }
     throw_gl_error(context.gl(), "uploading a predistortion mesh");
   }
-  WarpMesh(Context& context, const SeenMesh& mesh) : WarpMesh(context, Kind::seen, mesh.resolution) {
+  WarpMesh(Context& context, const SeenMesh& mesh) : WarpMesh(context, Kind::seen, mesh.per_colour, mesh.resolution) {
     detail::require_triangles(mesh.vertices.size(), mesh.triangles, mesh.resolution);
     upload(std::as_bytes(std::span(mesh.vertices)), sizeof(SeenVertex), mesh.triangles);
     attribute(0, offsetof(SeenVertex, seen_x));
@@ -125,6 +128,7 @@ class WarpMesh {
   }
 
   [[nodiscard]] Kind kind() const { return kind_; }
+  [[nodiscard]] bool is_per_colour() const { return per_colour_; }
   [[nodiscard]] PixelSize resolution() const { return resolution_; }  ///< of the picture that it lies over
   [[nodiscard]] std::size_t vertex_count() const { return vertex_count_; }
   [[nodiscard]] std::size_t triangle_count() const { return static_cast<std::size_t>(index_count_) / 3; }
@@ -136,9 +140,10 @@ class WarpMesh {
   }
 
  private:
-  WarpMesh(Context& context, Kind kind, PixelSize resolution)
+  WarpMesh(Context& context, Kind kind, bool per_colour, PixelSize resolution)
       : context_(&context),
         kind_(kind),
+        per_colour_(per_colour),
         resolution_(resolution),
         vertices_(make_buffer(context)),
         indices_(make_buffer(context)),
@@ -162,6 +167,7 @@ class WarpMesh {
 
   Context* context_;
   Kind kind_;
+  bool per_colour_;
   PixelSize resolution_;
   GlObject vertices_, indices_, layout_;
   std::size_t vertex_count_ = 0;

@@ -25,7 +25,8 @@ elseif(MODE STREQUAL "installed_core_alone")
   run("${CMAKE_COMMAND}" --install "${HOLDFAST_BUILD}" --prefix "${scratch}/prefix")
   run("${CMAKE_COMMAND}" -S "${consumer}" -B "${scratch}/build" ${common} "-DCMAKE_PREFIX_PATH=${scratch}/prefix"
     -DWANTED=core -DCMAKE_DISABLE_FIND_PACKAGE_PNG=ON -DCMAKE_DISABLE_FIND_PACKAGE_nlohmann_json=ON
-    -DCMAKE_DISABLE_FIND_PACKAGE_assimp=ON -DCMAKE_DISABLE_FIND_PACKAGE_OpenGL=ON -DCMAKE_DISABLE_FIND_PACKAGE_glm=ON)
+    -DCMAKE_DISABLE_FIND_PACKAGE_assimp=ON -DCMAKE_DISABLE_FIND_PACKAGE_OpenGL=ON -DCMAKE_DISABLE_FIND_PACKAGE_glm=ON
+    -DCMAKE_DISABLE_FIND_PACKAGE_OpenXR=ON)
 elseif(MODE STREQUAL "subdirectory")
   run("${CMAKE_COMMAND}" -S "${consumer}" -B "${scratch}/build" ${common} -DHOLDFAST_SOURCE=${HOLDFAST_SOURCE}
     "-DWANTED=core;${COMPONENTS}")

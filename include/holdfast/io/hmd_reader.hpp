@@ -103,10 +103,29 @@ inline Rigid read_pose(const JsonNode& node) {
   return settled(q_HE, p_HE);
 }
 
+/// Rows of rising eye relief.
+inline std::vector<LensesAtRelief> read_lenses_at_relief(const JsonNode& node) {
+  std::vector<LensesAtRelief> table;
+  for (const JsonNode& row : node.elements(1, 64)) {
+    row.allow_only({"eye_relief_m", "lens", "lens_red", "lens_blue"});
+    LensesAtRelief lenses;
+    const JsonNode relief = row.at("eye_relief_m");
+    lenses.eye_relief_m = relief.number(1e-6, 0.2);
+    if (!table.empty() && !(lenses.eye_relief_m > table.back().eye_relief_m)) {
+      relief.fail("not farther than the row before", "rows in the order of rising eye relief");
+    }
+    lenses.lens = read_lens(row.at("lens"));
+    if (const auto lens = row.find("lens_red")) lenses.lens_red = read_lens(*lens);
+    if (const auto lens = row.find("lens_blue")) lenses.lens_blue = read_lens(*lens);
+    table.push_back(std::move(lenses));
+  }
+  return table;
+}
+
 inline EyeModel read_eye(const JsonNode& node, EyeSide side, double ipd_m) {
   node.allow_only({"resolution_px", "tangents", "angles_deg", "fov_deg", "virtual_image_m", "image_distance_m",
                    "eye_relief_m", "pose", "divergence_deg", "tilt_up_deg", "upside_down", "lens", "lens_red",
-                   "lens_blue"});
+                   "lens_blue", "lenses_at_relief"});
   EyeModel eye;
   eye.side = side;
   const std::vector<JsonNode> size = node.at("resolution_px").elements(2, 2);
@@ -131,6 +150,7 @@ inline EyeModel read_eye(const JsonNode& node, EyeSide side, double ipd_m) {
   if (const auto lens = node.find("lens")) eye.lens = read_lens(*lens);
   if (const auto lens = node.find("lens_red")) eye.lens_red = read_lens(*lens);
   if (const auto lens = node.find("lens_blue")) eye.lens_blue = read_lens(*lens);
+  if (const auto table = node.find("lenses_at_relief")) eye.lenses_at_relief = read_lenses_at_relief(*table);
   return eye;
 }
 

@@ -29,6 +29,12 @@ inline OrderedJson eye_json(const EyeModel& eye) {
   json["lens"] = lens_json(eye.lens);
   if (eye.lens_red) json["lens_red"] = lens_json(*eye.lens_red);
   if (eye.lens_blue) json["lens_blue"] = lens_json(*eye.lens_blue);
+  for (const LensesAtRelief& row : eye.lenses_at_relief) {
+    OrderedJson lenses{{"eye_relief_m", row.eye_relief_m}, {"lens", lens_json(row.lens)}};
+    if (row.lens_red) lenses["lens_red"] = lens_json(*row.lens_red);
+    if (row.lens_blue) lenses["lens_blue"] = lens_json(*row.lens_blue);
+    json["lenses_at_relief"].push_back(std::move(lenses));
+  }
   return json;
 }
 

@@ -253,6 +253,7 @@ class OsvrWriter {
       const std::string side = e->side == EyeSide::left ? "the left" : "the right";
       if (!std::isinf(e->image_distance_m)) left_out_.push_back(side + " image's distance");
       if (e->eye_relief_m != 0.0) left_out_.push_back(side + " eye's relief");
+      if (!e->lenses_at_relief.empty()) left_out_.push_back(side + " eye's lenses at other reliefs");
       if (e->lens.k_pd() != 0.0) left_out_.push_back(side + " lens's cubic k_pd");
     }
   }

@@ -14,6 +14,9 @@
 #ifdef WITH_GLM
 #include <holdfast/interop/glm.hpp>
 #endif
+#ifdef WITH_OPENXR
+#include <holdfast/interop/openxr.hpp>
+#endif
 
 int main() {
   const holdfast::HmdModel hmd = holdfast::default_hmd();
@@ -37,6 +40,9 @@ int main() {
 #endif
 #ifdef WITH_GLM
   if (holdfast::to_glm(hmd.left.X_HE.q()).w != 1.0) return 1;
+#endif
+#ifdef WITH_OPENXR
+  if (holdfast::to_xr(hmd.left.X_HE).orientation.w != 1.0f) return 1;
 #endif
   return 0;
 }

@@ -6,6 +6,7 @@
 #include <holdfast/rendering/composition.hpp>
 #include <holdfast/rendering/context.hpp>
 #include <holdfast/rendering/coverage_mask.hpp>
+#include <holdfast/rendering/depth_mesh_pass.hpp>
 #include <holdfast/rendering/depth_surface_texture.hpp>
 #include <holdfast/rendering/depth_warp_pass.hpp>
 #include <holdfast/rendering/egl_context.hpp>
@@ -21,6 +22,7 @@
 #include <holdfast/rendering/make_context.hpp>
 #include <holdfast/rendering/mesh.hpp>
 #include <holdfast/rendering/osmesa_context.hpp>
+#include <holdfast/rendering/place_table.hpp>
 #include <holdfast/rendering/program.hpp>
 #include <holdfast/rendering/registration_scene.hpp>
 #include <holdfast/rendering/render_target.hpp>

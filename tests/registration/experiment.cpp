@@ -5,6 +5,8 @@
 #include <holdfast/motion/generators.hpp>
 #include <holdfast/registration/registration.hpp>
 
+#include "registration/motions.hpp"
+
 using namespace holdfast;
 
 namespace {
@@ -29,54 +31,6 @@ HmdModel rolling(HmdModel hmd, double scan_ms) {
   hmd.timing.scan_out = ScanOut::rolling;
   hmd.timing.scan_duration = from_milliseconds(scan_ms);
   return hmd;
-}
-
-/// A motion seen after the whole world has been moved.
-class MovedMotion : public Motion {
- public:
-  MovedMotion(const Motion& inner, const Rigid& X_VW) : inner_(inner), X_VW_(X_VW) {}
-  [[nodiscard]] MotionState at(HostTime t) const override {
-    MotionState state = inner_.at(t);
-    state.X_WB = X_VW_ * state.X_WB;
-    state.v_WB = X_VW_.q() * state.v_WB;
-    state.a_WB = X_VW_.q() * state.a_WB;
-    return state;
-  }
-  [[nodiscard]] HostTime begin() const override { return inner_.begin(); }
-  [[nodiscard]] HostTime end() const override { return inner_.end(); }
-
- private:
-  const Motion& inner_;
-  Rigid X_VW_;
-};
-
-/// A motion in the mirror x -> -x.
-class MirroredMotion : public Motion {
- public:
-  explicit MirroredMotion(const Motion& inner) : inner_(inner) {}
-  [[nodiscard]] MotionState at(HostTime t) const override {
-    MotionState s = inner_.at(t);
-    const Quaternion& q = s.X_WB.q();
-    // Reflection keeps turns about x, and reverses those about y and z; vectors lose the sign of x.
-    s.X_WB = Rigid(Quaternion(q.w(), q.x(), -q.y(), -q.z()), mirrored(s.X_WB.p()));
-    s.v_WB = mirrored(s.v_WB);
-    s.w_WB_B = -mirrored(s.w_WB_B);
-    return s;
-  }
-  [[nodiscard]] HostTime begin() const override { return inner_.begin(); }
-  [[nodiscard]] HostTime end() const override { return inner_.end(); }
-  static Vector3 mirrored(const Vector3& v) { return {-v.x(), v.y(), v.z()}; }
-
- private:
-  const Motion& inner_;
-};
-
-RegistrationScene mirrored(RegistrationScene scene) {
-  for (Disc& disc : scene.discs) {
-    disc.centre_W = MirroredMotion::mirrored(disc.centre_W);
-    disc.normal_W = MirroredMotion::mirrored(disc.normal_W);
-  }
-  return scene;
 }
 
 }  // namespace
@@ -290,13 +244,23 @@ TEST_CASE("constant velocity from two poses lags behind that from a gyro, but be
 
 TEST_CASE("experiments that cannot be run say why") {
   const auto motion = make_motion("M1", 1);
-  CHECK(run_experiment(*motion, settings_of("M1", Pipeline::p4, 60)).status == ExperimentStatus::not_available_yet);
+  for (const Pipeline later : {Pipeline::p2, Pipeline::p3}) {
+    const ExperimentResult refused = run_experiment(*motion, settings_of("M1", later, 60));
+    CHECK(refused.status == ExperimentStatus::not_available_yet);
+    CHECK(refused.problem.find("Kalman") != std::string::npos);
+  }
   const auto negative = run_experiment(*motion, settings_of("M1", Pipeline::p0, -1));
   CHECK(negative.status == ExperimentStatus::bad_settings);
   CHECK(negative.problem.find("latency") != std::string::npos);
   const auto instant = make_still(std::chrono::milliseconds(100));
   CHECK(run_experiment(*instant, settings_of("M0", Pipeline::p0, 60)).status == ExperimentStatus::motion_too_short);
   ExperimentSettings settings = settings_of("M1", Pipeline::p0, 60);
+  settings.plane_distance_m = 0.0;
+  CHECK(run_experiment(*motion, settings).problem.find("plane") != std::string::npos);
+  settings.plane_distance_m = 2.0;
+  settings.late = from_milliseconds(-1);
+  CHECK(run_experiment(*motion, settings).problem.find("late") != std::string::npos);
+  settings.late = from_milliseconds(3);
   settings.hmd.timing.refresh_hz = 0.0;
   CHECK(run_experiment(*motion, settings).status == ExperimentStatus::bad_settings);
 }

@@ -1,7 +1,8 @@
 /// Results as JSON and CSV: the contracts "holdfast/run/1" and "holdfast/latency/1" that other programs read.
 ///
 /// Source: design.md, "The command". Units are in the key names. Every number is finite; what is undefined is null (in
-/// CSV an empty cell). Keys beyond the contract, told in docs/swimlab.md: of a row `pose`, `scan_skew_arcmin`,
+/// CSV an empty cell). Keys beyond the contract, told in docs/swimlab.md: of a row `deflection`, `per_scanline`,
+/// `ablation`, `late_ms`, `coverage_missing_peak_pct`, `disocclusion_peak_pct`, `pose`, `scan_skew_arcmin`,
 /// `overshoot_pct`, `effective_latency_uncertainty_ms`, `registration.p50_px`, `.p99_px`, `swim.rms_px_s`,
 /// `.peak_px_s`. Files are written by whole_file.hpp: whole or not at all.
 #pragma once
@@ -114,6 +115,10 @@ inline void flatten(const ResultJson& json, const std::string& prefix,
   json["lens"] = name_of(row.lens);
   json["latency_ms"] = number_or_null(row.latency_ms);
   json["display"] = name_of(row.display);
+  json["deflection"] = holdfast::name_of(row.deflection);
+  json["per_scanline"] = row.per_scanline;
+  json["ablation"] = row.deflection != deflection_of(row.pipeline);
+  json["late_ms"] = number_or_null(row.late_ms);
   json["frames"] = row.frames;
   json["registration"] = detail::members<R>(row.registration, {{"rms_px", &R::rms_px},
                                                                {"mean_px", &R::mean_px},
@@ -134,7 +139,9 @@ inline void flatten(const ResultJson& json, const std::string& prefix,
   json["overshoot_arcmin"] = number_or_null(row.overshoot_arcmin);
   json["overshoot_pct"] = number_or_null(row.overshoot_pct);
   json["coverage_missing_pct"] = number_or_null(row.coverage_missing_pct);
+  json["coverage_missing_peak_pct"] = number_or_null(row.coverage_missing_peak_pct);
   json["disocclusion_pct"] = number_or_null(row.disocclusion_pct);
+  json["disocclusion_peak_pct"] = number_or_null(row.disocclusion_peak_pct);
   json["picture_vs_theory_px"] = number_or_null(row.picture_vs_theory_px);
   json["scan_skew_arcmin"] = number_or_null(row.scan_skew_arcmin);
   json["pose"] = {{"peak_yaw_arcmin", number_or_null(row.pose.peak_yaw_arcmin)},

@@ -9,11 +9,12 @@
 /// Time: frames come at the display's refresh; their time is the middle of scan-out. The first one is 0.2 s after the
 /// motion's begin (later only if latency and velocity need it), so that rows of different latency judge the same
 /// frames; the last one's scan-out ends before the motion does. "Real" is the scene at the true eye pose of the moment
-/// of light, "virtual" the scene as drawn for the displayed pose (fiducial_error.hpp). The observer sees every frame
+/// of light, "virtual" the scene as drawn, deflected and predistorted (shown_point.hpp). The observer sees every frame
 /// and may render it. Source: evaluation.md "Metrics", "Default experiments". Frames and units: experiment_types.hpp.
 /// Bad input: ExperimentResult::status and ::problem; the row is then empty.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 
@@ -29,6 +30,12 @@ namespace holdfast {
   if (settings.latency < Duration{0} || settings.latency > std::chrono::seconds(1)) {
     return std::string("latency: must be 0 to 1000 ms");
   }
+  if (settings.late < Duration{0} || settings.late > std::chrono::seconds(1)) {
+    return std::string("late pose: must be 0 to 1000 ms before scan-out");
+  }
+  if (!(settings.plane_distance_m > 0.0) || !std::isfinite(settings.plane_distance_m)) {
+    return std::string("plane distance: must be a positive number of metres");
+  }
   if (settings.velocity_baseline <= Duration{0} || settings.velocity_baseline > std::chrono::seconds(1)) {
     return std::string("velocity baseline: must be above 0, at most 1000 ms");
   }
@@ -37,6 +44,9 @@ namespace holdfast {
     return std::string("eye resolution: must be 1 x 1 or more");
   if (problem_of(eye.tangents) != FieldProblem::none) {
     return "eye: " + std::string(describe(problem_of(eye.tangents)));
+  }
+  if (const FieldResult wider = try_overfilled(eye.tangents, settings.overfill); !wider.ok()) {
+    return "overfill: " + std::string(describe(wider.problem));
   }
   return std::nullopt;
 }
@@ -49,8 +59,8 @@ namespace holdfast {
   ExperimentResult result;
   if (!is_available(settings.pipeline)) {
     result.status = ExperimentStatus::not_available_yet;
-    result.problem =
-        "pipeline " + std::string(name_of(settings.pipeline)) + " is not available yet; there are P0 and P1";
+    result.problem = "pipeline " + std::string(name_of(settings.pipeline)) + " is " +
+                     std::string(unavailable_reason(settings.pipeline));
     return result;
   }
   if (const std::optional<std::string> problem = problem_of(settings)) {

@@ -1,10 +1,11 @@
 /// What a registration experiment is told and what it answers: settings, one record per frame, one row of results.
 ///
 /// Source: evaluation.md, "Metrics" and "Default experiments". Units are in the member names; frames: W world, H head,
-/// E eye. A number that has no meaning for an experiment (overshoot of a motion that never stops) is an empty optional,
+/// E eye, S the eye that the picture was drawn for. A number that has no meaning for an experiment (overshoot of a motion that never stops) is an empty optional,
 /// in JSON null.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
@@ -15,32 +16,58 @@
 #include <string_view>
 #include <vector>
 
+#include <holdfast/deflection/deflect.hpp>
 #include <holdfast/geometry/rigid.hpp>
 #include <holdfast/optics/hmd.hpp>
+#include <holdfast/optics/overfill.hpp>
 #include <holdfast/registration/scene_fiducials.hpp>
 #include <holdfast/timing/clock.hpp>
 
 namespace holdfast {
 
-/// The pipelines of evaluation.md. P0 shows the newest measured pose, P1 extrapolates it at constant velocity.
+/// The pipelines of evaluation.md, on the predictors there are. P0 shows the newest measured pose, P1 extrapolates it at
+/// constant velocity. P4 draws as P1 does, and turns the finished picture to a late pose (rotation); P5 moves each point
+/// by its distance too (depth); P6 does so line by line of a rolling scan-out. P2 and P3 need trackers that are to come.
 enum class Pipeline { p0, p1, p2, p3, p4, p5, p6 };
+
+inline constexpr std::array pipelines{Pipeline::p0, Pipeline::p1, Pipeline::p2, Pipeline::p3,
+                                      Pipeline::p4, Pipeline::p5, Pipeline::p6};
 
 [[nodiscard]] constexpr std::string_view name_of(Pipeline pipeline) {
   constexpr std::string_view names[] = {"P0", "P1", "P2", "P3", "P4", "P5", "P6"};
   return names[static_cast<std::size_t>(pipeline)];
 }
+/// In words, short enough for a legend.
+[[nodiscard]] constexpr std::string_view describe(Pipeline pipeline) {
+  constexpr std::string_view words[] = {"no prediction",           "constant velocity", "Kalman without inertial",
+                                        "Kalman with inertial",    "late rotation",     "late depth warp",
+                                        "late depth warp per line"};
+  return words[static_cast<std::size_t>(pipeline)];
+}
 /// Nothing when there is no such pipeline.
 [[nodiscard]] constexpr std::optional<Pipeline> parse_pipeline(std::string_view name) {
-  for (int i = 0; i <= static_cast<int>(Pipeline::p6); ++i) {
-    if (name == name_of(static_cast<Pipeline>(i))) return static_cast<Pipeline>(i);
+  for (const Pipeline pipeline : pipelines) {
+    if (name == name_of(pipeline)) return pipeline;
   }
   return std::nullopt;
 }
+/// Why a pipeline cannot be run yet; empty when it can.
+[[nodiscard]] constexpr std::string_view unavailable_reason(Pipeline pipeline) {
+  if (pipeline == Pipeline::p2) return "not available yet: it needs the Kalman tracker without inertial sensors";
+  if (pipeline == Pipeline::p3) return "not available yet: it needs the Kalman tracker with inertial sensors";
+  return {};
+}
 [[nodiscard]] constexpr bool is_available(Pipeline pipeline) {
-  return pipeline == Pipeline::p0 || pipeline == Pipeline::p1;
+  return unavailable_reason(pipeline).empty();
+}
+/// What a pipeline does to the finished picture of its own accord.
+[[nodiscard]] constexpr DeflectionKind deflection_of(Pipeline pipeline) {
+  if (pipeline == Pipeline::p4) return DeflectionKind::rotation;
+  if (pipeline == Pipeline::p5 || pipeline == Pipeline::p6) return DeflectionKind::depth;
+  return DeflectionKind::none;
 }
 
-/// Where P1's velocity comes from: the motion's own derivative, as an ideal rate gyro's (generated motions), or the
+/// Where the velocity comes from: the motion's own derivative, as an ideal rate gyro's (generated motions), or the
 /// causal difference of two poses (recordings: their spline looks ahead, so its derivative would be a prophet's).
 enum class VelocitySource { exact, backward_difference };
 
@@ -56,6 +83,33 @@ struct ExperimentSettings {
   VelocitySource velocity = VelocitySource::exact;
   Duration velocity_baseline = std::chrono::microseconds(16700);  ///< between the two poses of the backward difference
   std::size_t frames = 0;                                         ///< 0: as many as the motion lasts
+
+  // Of the pipelines that deflect.
+  std::optional<DeflectionKind> deflection;        ///< instead of the pipeline's own (an ablation), with any pipeline
+  double plane_distance_m = 2.0;                   ///< of DeflectionKind::plane
+  Duration late = std::chrono::milliseconds(3);    ///< the late pose is measured so long before the scan-out starts
+  bool perfect_late_pose = false;                  ///< tests: the late poses are the true ones
+  DeflectionBudget overfill = default_overfill();  ///< how far the late pose may turn before the picture has no pixels
+
+  /// A tenth of a second of prediction at 60 deg/s: what heads do now and then.
+  [[nodiscard]] static DeflectionBudget default_overfill() { return {degrees(6.0), degrees(4.0), degrees(3.0)}; }
+};
+
+/// How the finished picture is deflected.
+[[nodiscard]] inline DeflectionSettings deflection_of(const ExperimentSettings& settings) {
+  return {settings.deflection.value_or(deflection_of(settings.pipeline)), settings.plane_distance_m,
+          settings.pipeline == Pipeline::p6};
+}
+
+/// A finished picture and what was done to it: all that there is to know to draw it, or to say where a point is seen.
+struct ShownPicture {
+  RenderedView view;  ///< what the picture was drawn with; where it is deflected, wider than the panel's field
+  DeflectionSettings how;
+  LatePoses late;               ///< of the eye; those of the drawing when the picture is not deflected
+  DeflectionResult deflection;  ///< from `view` to `late`
+  HostTime t_late;              ///< when the late pose was measured
+
+  [[nodiscard]] bool is_deflected() const { return how.kind != DeflectionKind::none && deflection.ok(); }
 };
 
 /// One fiducial in one frame, as the eye sees it. Pixels: origin lower left, pixel centres at half integers.
@@ -72,12 +126,13 @@ struct FiducialRecord {
 
 struct FrameRecord {
   std::size_t index = 0;
-  HostTime t_display;   ///< middle of scan-out
-  HostTime t_measured;  ///< time of the pose that the pipeline started from: t_display - latency
-  Rigid X_WH_true;      ///< at t_display
-  Rigid X_WH_displayed;
-  Rigid X_WE_true;  ///< the eye of the settings, with the true HMD
+  HostTime t_display;    ///< middle of scan-out
+  HostTime t_measured;   ///< time of the pose that the pipeline started from: t_display - latency
+  Rigid X_WH_true;       ///< at t_display
+  Rigid X_WH_displayed;  ///< the head for which the picture is right as shown (pipeline_pose.hpp)
+  Rigid X_WE_true;       ///< the eye of the settings, with the true HMD
   Rigid X_WE_displayed;
+  ShownPicture shown;
   std::vector<FiducialRecord> fiducials;  ///< one per disc of the scene, in its order
   std::size_t visible = 0;
   // Over the visible fiducials; nothing when there are none.
@@ -133,6 +188,9 @@ struct ExperimentRow {
   LensMode lens = LensMode::none;
   double latency_ms = 0.0;
   ScanOut display = ScanOut::global;
+  DeflectionKind deflection = DeflectionKind::none;
+  bool per_scanline = false;      ///< deflected line by line
+  std::optional<double> late_ms;  ///< the late pose's age at the start of scan-out; nothing when not deflected
   std::size_t frames = 0;
   std::optional<RegistrationSummary> registration;  ///< nothing when no fiducial was ever in view
   std::optional<SwimSummary> swim;
@@ -141,7 +199,9 @@ struct ExperimentRow {
   std::optional<double> jitter_arcmin;                    ///< head still: standard deviation; moving: 3-12 Hz RMS
   std::optional<double> overshoot_arcmin, overshoot_pct;  ///< motions that stop only; signed, % of the motion
   std::optional<double> scan_skew_arcmin;  ///< rolling scan-out: largest size over the frames that show the edge
-  std::optional<double> coverage_missing_pct, disocclusion_pct, picture_vs_theory_px;
+  /// Parts of the view without a source pixel, and without a known colour: means over the frames, and the worst frame.
+  std::optional<double> coverage_missing_pct, coverage_missing_peak_pct, disocclusion_pct, disocclusion_peak_pct;
+  std::optional<double> picture_vs_theory_px;
   std::vector<ExpectedValue> expected;  ///< empty: theory demands nothing of this row
   Verdict verdict = Verdict::none;
 };

@@ -1,9 +1,10 @@
 /// One disc in one frame: where the eye sees the real and the virtual one.
 ///
 /// Under a rolling scan-out each line of the panel has its own time. The virtual disc is drawn for the frame's pose,
-/// whatever the line; the real one is where the true eye pose puts it at the time of the line on which it then appears,
-/// found by fixed-point iteration (a line's time changes the picture's row by far less than a line per line). What is
-/// seen on a row of the view is lit by the panel line that the lens brings there. Pixels as in eye.hpp. Bad input:
+/// whatever the line, unless it is deflected line by line (shown_point.hpp); the real one is where the true eye pose
+/// puts it at the time of the line on which it then appears, found by fixed-point iteration (a line's time changes the
+/// picture's row by far less than a line per line). What is seen on a row of the view is lit by the panel line that the
+/// lens brings there. Pixels as in eye.hpp. Bad input:
 /// discs behind the eye, seen from behind, or cut by the picture's border are not visible.
 #pragma once
 
@@ -43,21 +44,17 @@ namespace holdfast {
   return ellipse;
 }
 
-/// Fills in both images of a disc and their difference. `real` and `drawn` are ellipses of ideal pictures; `believed`
-/// is the renderer's eye model, nullptr when it is the true one.
-[[nodiscard]] inline FiducialRecord fiducial_error(const EyeModel& eye, const EyeModel* believed, LensMode lens,
-                                                   const std::optional<ProjectedEllipse>& real,
-                                                   const std::optional<ProjectedEllipse>& drawn) {
+/// Fills in both images of a disc and their difference. `real` is its ellipse in the ideal picture, `shown` the centroid
+/// of the virtual one as seen (shown_centroid).
+[[nodiscard]] inline FiducialRecord fiducial_error(const EyeModel& eye, const std::optional<ProjectedEllipse>& real,
+                                                   const std::optional<Vector2>& shown) {
   constexpr double margin_px = 1.0;
   FiducialRecord record;
-  if (!real || !drawn || !real->front || !drawn->front) return record;
-  if (!real->is_inside(eye.resolution, margin_px) || !drawn->is_inside(eye.resolution, margin_px)) return record;
-  const std::optional<Vector2> seen =
-      believed ? seen_centroid(eye, *believed, lens, *drawn) : seen_centroid(eye, lens, *drawn);
-  if (!seen || !is_inside(eye, *seen)) return record;
+  if (!real || !shown || !real->front) return record;
+  if (!real->is_inside(eye.resolution, margin_px) || !is_inside(eye, *shown)) return record;
   record.visible = true;
   record.c_real = real->centroid;
-  record.c_virtual = *seen;
+  record.c_virtual = *shown;
   record.error_px = record.c_virtual - record.c_real;
   const Vector3 ray_real = ray_E(eye, record.c_real), ray_virtual = ray_E(eye, record.c_virtual);
   record.error_rad = angular_error(ray_real, ray_virtual);

@@ -1,11 +1,19 @@
-/// The pose that a pipeline shows: what the tracker measured `latency` before the middle of scan-out, and what was made
-/// of it.
+/// The poses of a pipeline: the one that a frame is drawn for, the late ones that it is deflected to, and the one for
+/// which the picture is right in the end.
 ///
-/// The simulated tracker is ideal apart from a constant error X_HT: it says X_WH(t) X_HT. P0 shows that pose; P1
-/// carries it on at constant velocity over the latency. The velocity is the motion's own at the moment of measurement,
-/// as an ideal rate gyro's would be, or the causal difference of two measured poses: a recording's spline bends already
-/// before the head does, so its derivative knows the future. Source: evaluation.md "Default experiments". Bad input:
-/// pipelines other than P0 and P1 are a programmer's error here; run_experiment refuses them.
+/// The simulated tracker is ideal apart from a constant error X_HT: it says X_WH(t) X_HT. A frame is drawn for what was
+/// measured `latency` before the middle of scan-out: P0 takes that pose, the others carry it on at constant velocity
+/// over the latency. The velocity is the motion's own at the moment of measurement, as an ideal rate gyro's would be, or
+/// the causal difference of two measured poses: a recording's spline bends already before the head does, so its
+/// derivative knows the future.
+///
+/// The late pose is measured `late` before the scan-out starts, and carried on to the light of the first and of the last
+/// line by the same predictor. It is never older than the pose that was drawn for, nor newer than the scan-out's start.
+///
+/// Displayed pose (what the pose columns judge), at the middle of scan-out: not deflected, the pose drawn for;
+/// shift, shift_roll and rotation, the late orientation at the place drawn for (what a shift leaves of the turn shows in
+/// the fiducials alone); plane and depth, the late pose. Source: evaluation.md "Default experiments". Bad input:
+/// pipelines that are not available are a programmer's error here; run_experiment refuses them.
 #pragma once
 
 #include <algorithm>
@@ -34,15 +42,81 @@ namespace holdfast {
   return estimate;
 }
 
+[[nodiscard]] constexpr Predictor predictor_of(Pipeline pipeline) {
+  return pipeline == Pipeline::p0 ? Predictor::none : Predictor::constant_velocity;
+}
+
+/// X_WH at t, as the pipeline's predictor has it from an estimate.
+[[nodiscard]] inline Rigid predicted_pose(const ExperimentSettings& settings, const PoseEstimate& estimate,
+                                          HostTime t) {
+  PredictionLimits limits;
+  limits.maximum_interval = std::max(limits.maximum_interval, t - estimate.t);  // the experiment wants all of it
+  return predict(predictor_of(settings.pipeline), estimate, t, limits).X_WB;
+}
+
+/// X_WH that a frame is drawn for whose middle of scan-out is t_display.
+[[nodiscard]] inline Rigid drawn_pose(const Motion& motion, const ExperimentSettings& settings, HostTime t_display) {
+  HOLDFAST_ASSERT(is_available(settings.pipeline), "pipeline not available yet");
+  return predicted_pose(settings, measure(motion, settings, t_display - settings.latency), t_display);
+}
+
+/// From the light of the first line to the middle of scan-out.
+[[nodiscard]] inline Duration half_scan(const DisplayTiming& timing) {
+  return timing.scan_out == ScanOut::rolling ? timing.scan_duration / 2 : Duration{0};
+}
+
+/// When the late pose is measured.
+[[nodiscard]] inline HostTime late_time(const ExperimentSettings& settings, HostTime t_display) {
+  const HostTime begin = t_display - half_scan(settings.hmd.timing);
+  return std::min(begin, std::max(begin - settings.late, t_display - settings.latency));
+}
+
+/// The head at the light of the first and of the last line, as known in time to deflect.
+struct LateHeadPoses {
+  Rigid X_WH_begin, X_WH_end;
+
+  [[nodiscard]] Rigid middle() const { return interpolate(X_WH_begin, X_WH_end, 0.5); }
+};
+
+[[nodiscard]] inline LateHeadPoses late_poses(const Motion& motion, const ExperimentSettings& settings,
+                                              HostTime t_display) {
+  const Duration half = half_scan(settings.hmd.timing);
+  const HostTime begin = t_display - half, end = t_display + half;
+  if (settings.perfect_late_pose) return {motion.at(begin).X_WB, motion.at(end).X_WB};
+  const PoseEstimate measured = measure(motion, settings, late_time(settings, t_display));
+  const Rigid X_WH_begin = predicted_pose(settings, measured, begin);
+  return {X_WH_begin, half == Duration{0} ? X_WH_begin : predicted_pose(settings, measured, end)};
+}
+
+/// The displayed pose, see above.
+[[nodiscard]] inline Rigid displayed_pose(DeflectionKind kind, const Rigid& X_WH_drawn, const Rigid& X_WH_late) {
+  switch (kind) {
+    case DeflectionKind::none:
+      break;
+    case DeflectionKind::shift:
+    case DeflectionKind::shift_roll:
+    case DeflectionKind::rotation:
+      return Rigid(X_WH_late.q(), X_WH_drawn.p());
+    case DeflectionKind::plane:
+    case DeflectionKind::depth:
+      return X_WH_late;
+  }
+  return X_WH_drawn;
+}
+
 /// X_WH as displayed by a frame whose middle of scan-out is t_display.
 [[nodiscard]] inline Rigid displayed_pose(const Motion& motion, const ExperimentSettings& settings,
                                           HostTime t_display) {
-  HOLDFAST_ASSERT(is_available(settings.pipeline), "pipeline not available yet");
-  const PoseEstimate measured = measure(motion, settings, t_display - settings.latency);
-  PredictionLimits limits;
-  limits.maximum_interval = std::max(limits.maximum_interval, settings.latency);  // the experiment wants all of it
-  const Predictor predictor = settings.pipeline == Pipeline::p0 ? Predictor::none : Predictor::constant_velocity;
-  return predict(predictor, measured, t_display, limits).X_WB;
+  const DeflectionKind kind = deflection_of(settings).kind;
+  const Rigid X_WH_drawn = drawn_pose(motion, settings, t_display);
+  if (kind == DeflectionKind::none) return X_WH_drawn;
+  return displayed_pose(kind, X_WH_drawn, late_poses(motion, settings, t_display).middle());
+}
+
+/// How far ahead the displayed orientation is predicted: the latency, or the late pose's age at the middle of scan-out.
+[[nodiscard]] inline Duration prediction_interval(const ExperimentSettings& settings) {
+  if (deflection_of(settings).kind == DeflectionKind::none) return settings.latency;
+  return -(late_time(settings, HostTime{}) - HostTime{});
 }
 
 }  // namespace holdfast

@@ -14,10 +14,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include <holdfast/optics/eye.hpp>
+#include <holdfast/registration/outline_centroid.hpp>
 #include <holdfast/registration/scene_fiducials.hpp>
 
 namespace holdfast {
@@ -50,9 +50,12 @@ namespace detail {
 
 }  // namespace detail
 
-/// Ellipse of `disc` in the ideal picture (no lens) of the eye at X_WE.
+/// Ellipse of `disc` in the ideal picture (no lens) of the eye at X_WE. With H_ES: in the picture after it was warped, where
+/// (t_E, 1) ~ H_ES (t_S, 1) takes tangents of the picture as drawn to those of what is shown; depth and front stay
+/// those of the drawing.
 [[nodiscard]] inline std::optional<ProjectedEllipse> project_disc(const EyeModel& eye, const Rigid& X_WE,
-                                                                  const Disc& disc) {
+                                                                  const Disc& disc,
+                                                                  const Matrix3& H_ES = Matrix3::Identity()) {
   const Rigid X_EW = X_WE.inverse();
   const Vector3 c = X_EW * disc.centre_W;
   const std::array<Vector3, 2> across_W = detail::basis_across(disc.normal_W);
@@ -62,10 +65,12 @@ namespace detail {
 
   const Vector2 s = pixels_per_tangent(eye);
   const Vector2 axis_px = pixel_of_tangent(eye, Vector2::Zero());
-  const auto to_picture = [&](const Vector3& p) {  // K p with tangents (x / -z, y / -z)
-    return Vector3(s.x() * p.x() - axis_px.x() * p.z(), s.y() * p.y() - axis_px.y() * p.z(), -p.z());
+  const auto to_picture = [&](const Vector3& p) {  // K H_ES p with tangents (x / -z, y / -z)
+    const Vector3 t = H_ES * Vector3(p.x(), p.y(), -p.z());
+    return Vector3(s.x() * t.x() + axis_px.x() * t.z(), s.y() * t.y() + axis_px.y() * t.z(), t.z());
   };
   const Vector3 h0 = to_picture(a), h1 = to_picture(b), h2 = to_picture(c);
+  if (!(h2.z() > std::hypot(h0.z(), h1.z()))) return std::nullopt;
   const Matrix3 Q = h0 * h0.transpose() + h1 * h1.transpose() - h2 * h2.transpose();
 
   ProjectedEllipse e;
@@ -95,36 +100,25 @@ namespace detail {
   return tangent ? std::optional<Vector2>(pixel_of_tangent(eye, *tangent)) : std::nullopt;
 }
 
-/// Where `eye` sees the centroid of an ellipse of the ideal picture of `believed` when lens or correction bend it: the
-/// centroid of the bent outline's polygon of 32 points (for a bend of second order across the disc, exact to 1 %).
-/// Nothing when part of it lies outside the lens.
-[[nodiscard]] inline std::optional<Vector2> seen_centroid(const EyeModel& eye, const EyeModel& believed, LensMode mode,
-                                                          const ProjectedEllipse& e) {
-  if (mode == LensMode::none) return e.centroid;
+/// Centroid of the image of an ellipse under a map of pixels: `map(pixel)` is an optional Vector2. Nothing when part of
+/// the outline has no image.
+template <typename Map>
+[[nodiscard]] std::optional<Vector2> centroid_through(const ProjectedEllipse& e, const Map& map) {
   // Any L with L L^T = S maps the unit circle to the outline: the Cholesky factor.
   const double l00 = std::sqrt(e.shape(0, 0));
   const double l10 = e.shape(1, 0) / l00;
   const double l11 = std::sqrt(std::max(0.0, e.shape(1, 1) - l10 * l10));
-  constexpr std::size_t points = 32;
-  std::array<Vector2, points> outline;
-  for (std::size_t i = 0; i < points; ++i) {
-    const double angle = 2.0 * std::numbers::pi * static_cast<double>(i) / points;
-    const Vector2 offset(l00 * std::cos(angle), l10 * std::cos(angle) + l11 * std::sin(angle));
-    const std::optional<Vector2> seen = seen_pixel(eye, believed, mode, e.centroid + offset);
-    if (!seen) return std::nullopt;
-    outline[i] = *seen - e.centroid;
-  }
-  double area = 0.0;
-  Vector2 moment = Vector2::Zero();
-  for (std::size_t i = 0; i < points; ++i) {
-    const Vector2& p = outline[i];
-    const Vector2& q = outline[(i + 1) % points];
-    const double cross = p.x() * q.y() - p.y() * q.x();
-    area += cross;
-    moment += cross * (p + q);
-  }
-  if (!(std::abs(area) > 0.0)) return std::nullopt;
-  return Vector2(e.centroid + moment / (3.0 * area));
+  return outline_centroid([&](double cosine, double sine) -> std::optional<Vector2> {
+    return map(Vector2(e.centroid + Vector2(l00 * cosine, l10 * cosine + l11 * sine)));
+  });
+}
+
+/// Where `eye` sees the centroid of an ellipse of the ideal picture of `believed` when lens or correction bend it.
+/// Nothing when part of it lies outside the lens.
+[[nodiscard]] inline std::optional<Vector2> seen_centroid(const EyeModel& eye, const EyeModel& believed, LensMode mode,
+                                                          const ProjectedEllipse& e) {
+  if (mode == LensMode::none) return e.centroid;
+  return centroid_through(e, [&](const Vector2& ideal) { return seen_pixel(eye, believed, mode, ideal); });
 }
 
 /// The same for a renderer that knows the eye. An exact correction leaves the ellipse where it is.

@@ -1,7 +1,6 @@
 /// Everything of registration/.
 #pragma once
 
-#include <holdfast/registration/coverage.hpp>
 #include <holdfast/registration/effective_latency.hpp>
 #include <holdfast/registration/error_budget.hpp>
 #include <holdfast/registration/expected_values.hpp>
@@ -10,11 +9,15 @@
 #include <holdfast/registration/fiducial_error.hpp>
 #include <holdfast/registration/latency_types.hpp>
 #include <holdfast/registration/metrics.hpp>
+#include <holdfast/registration/outline_centroid.hpp>
 #include <holdfast/registration/overshoot.hpp>
 #include <holdfast/registration/picture_centroid.hpp>
 #include <holdfast/registration/pipeline_pose.hpp>
 #include <holdfast/registration/projected_ellipse.hpp>
 #include <holdfast/registration/scan_skew.hpp>
+#include <holdfast/registration/scene_depth.hpp>
 #include <holdfast/registration/scene_fiducials.hpp>
+#include <holdfast/registration/shown_point.hpp>
 #include <holdfast/registration/swim.hpp>
 #include <holdfast/registration/theory.hpp>
+#include <holdfast/registration/view_coverage.hpp>

@@ -1,13 +1,14 @@
 /// Scan skew: how far a rolling scan-out tilts virtual things against real ones while the head turns.
 ///
 /// A frame is drawn for one pose, but its lines light one after another; meanwhile the real world moves on. Here the
-/// vertical edge is followed line by line: at each of a number of rows the azimuth (angle to the right of the eye's
-/// forward plane, atan of the horizontal tangent) at which the virtual and the real edge cross that row at the time of
-/// that row, and a line is fitted through their difference. For a head that yaws at w the skew from top to bottom is w
-/// times the scan duration, wherever the edge stands: 100 deg/s and 11.1 ms give 66.6 arcmin (evaluation.md, value 9).
-/// Rows are those of a panel without lens: px from the bottom. A display that lights columns one after another shifts an
-/// upright edge and does not tilt it: nothing. Bad input: an edge that does not cross the middle half of the picture has
-/// no skew: nothing.
+/// vertical edge is followed line by line: at each of a number of rows of what the eye sees, the azimuth (angle to the
+/// right of the eye's forward plane, atan of the horizontal tangent) at which the virtual and the real edge cross that
+/// row, each at the time at which its place there is lit, and a line is fitted through their difference. For a head that
+/// yaws at w the skew from top to bottom is w times the scan duration, wherever the edge stands: 100 deg/s and 11.1 ms
+/// give 66.6 arcmin (evaluation.md, value 9). A picture that is deflected line by line follows, and has none.
+/// With a lens, its correction must be exact: else the edge is bent besides. A display that lights columns one after
+/// another shifts an upright edge and does not tilt it: nothing. Bad input: an edge that does not cross the middle half
+/// of the picture has no skew: nothing.
 #pragma once
 
 #include <cmath>
@@ -16,6 +17,7 @@
 #include <holdfast/optics/eye.hpp>
 #include <holdfast/registration/metrics.hpp>
 #include <holdfast/registration/scene_fiducials.hpp>
+#include <holdfast/registration/shown_point.hpp>
 #include <holdfast/timing/display_timing.hpp>
 
 namespace holdfast {
@@ -42,32 +44,73 @@ namespace detail {
   return -p.x() / p.z();
 }
 
+/// The same for the edge of a picture drawn for X_WS, which the map t_S ~ H_SE t_E moved.
+[[nodiscard]] inline std::optional<double> edge_crossing(const VerticalEdge& edge, const Rigid& X_WS,
+                                                         const Matrix3& H_SE, double tan_y) {
+  const Rigid X_SW = X_WS.inverse();
+  const Matrix3 H_ES = H_SE.inverse();
+  const auto shown = [&](const Vector3& p_W) {
+    const Vector3 p_S = X_SW * p_W;
+    return Vector3(H_ES * Vector3(p_S.x(), p_S.y(), -p_S.z()));
+  };
+  const Vector3 bottom = shown(edge.bottom_W), top = shown(edge.top_W);
+  const double at_bottom = bottom.y() - tan_y * bottom.z(), at_top = top.y() - tan_y * top.z();
+  const double s = at_bottom / (at_bottom - at_top);
+  if (!(s >= 0.0 && s <= 1.0)) return std::nullopt;
+  const Vector3 p = bottom + s * (top - bottom);
+  if (!(p.z() > 0.0)) return std::nullopt;
+  return p.x() / p.z();
+}
+
+/// Tangent x at which the edge crosses a row of what the eye sees, when crossing(s) is that for line fraction s.
+template <typename Crossing>
+[[nodiscard]] std::optional<double> crossing_on_its_line(const ShownOn& on, double tan_y, const Crossing& crossing) {
+  double s = 0.5;
+  for (int i = 0; i < 64; ++i) {
+    const std::optional<double> x = crossing(s);
+    if (!x) return std::nullopt;
+    const Vector2 seen = pixel_of_tangent(on.eye, Vector2(*x, tan_y));
+    if (!is_inside(on.eye, seen)) return std::nullopt;
+    const std::optional<Vector2> panel = drawn_pixel(on.eye, on.lens, seen);
+    if (!panel) return std::nullopt;
+    const double next = on.line_fraction(*panel);
+    if (std::abs(next - s) <= 1e-14) return x;
+    s = next;
+  }
+  return std::nullopt;
+}
+
 }  // namespace detail
 
-/// Skew of the virtual edge, drawn for X_WE_displayed, against the real one seen by the eye at X_WE_true(seconds from
-/// the middle of scan-out). `Pose` is callable as Rigid(double).
+/// Skew of the virtual edge, as `picture` shows it, against the real one seen by the eye at X_WE_true(seconds from the
+/// middle of scan-out). `Pose` is callable as Rigid(double). Precondition: no lens, or one that is exactly corrected.
 template <typename Pose>
-[[nodiscard]] std::optional<ScanSkew> scan_skew(const VerticalEdge& edge, const EyeModel& eye,
-                                                const DisplayTiming& timing, const Rigid& X_WE_displayed,
-                                                const Pose& X_WE_true) {
+[[nodiscard]] std::optional<ScanSkew> scan_skew(const VerticalEdge& edge, const ShownPicture& picture,
+                                                const ShownOn& on, const Pose& X_WE_true) {
+  HOLDFAST_ASSERT(on.lens == LensMode::none || on.lens == LensMode::exact, "a bent edge has no skew");
   constexpr int rows = 16;
-  if (is_sideways(timing.scan_direction)) return std::nullopt;
-  const double width = eye.resolution.width, height = eye.resolution.height;
+  if (is_sideways(on.timing.scan_direction)) return std::nullopt;
+  const double height = on.eye.resolution.height;
+  const Rigid& X_WS = picture.view.X_WS;
+  const auto shown_at = [&](double s, double tan_y) {
+    if (!picture.is_deflected()) return detail::edge_crossing(edge, X_WS, tan_y);
+    const DeflectionResult& d = picture.deflection;
+    if (picture.how.kind == DeflectionKind::depth) return detail::edge_crossing(edge, X_WS * d.X_SE.at(s), tan_y);
+    return detail::edge_crossing(edge, X_WS, d.H_SE.at(s), tan_y);
+  };
+  const auto real_at = [&](double s, double tan_y) {
+    return detail::edge_crossing(edge, X_WE_true(line_seconds_from_middle(on.timing, s)), tan_y);
+  };
   double n = 0.0, y_sum = 0.0, yy = 0.0, azimuth_sum = 0.0, y_azimuth = 0.0, x_sum = 0.0, y_x = 0.0;
   for (int i = 0; i < rows; ++i) {
     const double y = height * (i + 0.5) / rows;
-    const double tan_y = tangent_of_pixel(eye, Vector2(0.0, y)).y();
-    const double line = line_fraction_of_pixel(timing.scan_direction, Vector2(0.0, y), Vector2(width, height));
-    const double t = line_seconds_from_middle(timing, line);
-    const std::optional<double> shown = detail::edge_crossing(edge, X_WE_displayed, tan_y);
-    const std::optional<double> real = detail::edge_crossing(edge, X_WE_true(t), tan_y);
+    const double tan_y = tangent_of_pixel(on.eye, Vector2(0.0, y)).y();
+    const auto shown = detail::crossing_on_its_line(on, tan_y, [&](double s) { return shown_at(s, tan_y); });
+    const auto real = detail::crossing_on_its_line(on, tan_y, [&](double s) { return real_at(s, tan_y); });
     if (!shown || !real) continue;
-    const bool in_view = is_inside(eye, pixel_of_tangent(eye, Vector2(*shown, tan_y))) &&
-                         is_inside(eye, pixel_of_tangent(eye, Vector2(*real, tan_y)));
-    if (!in_view) continue;
     const double down = 0.5 - y / height;  // -1/2 top, 1/2 bottom
     const double azimuth = std::atan(*shown) - std::atan(*real);
-    const double x = (*shown - *real) * pixels_per_tangent(eye).x() / height;
+    const double x = (*shown - *real) * pixels_per_tangent(on.eye).x() / height;
     n += 1.0;
     y_sum += down;
     yy += down * down;

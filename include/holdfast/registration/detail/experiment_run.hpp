@@ -9,7 +9,6 @@
 #include <vector>
 
 #include <holdfast/prediction/jitter.hpp>
-#include <holdfast/registration/coverage.hpp>
 #include <holdfast/registration/effective_latency.hpp>
 #include <holdfast/registration/expected_values.hpp>
 #include <holdfast/registration/fiducial_error.hpp>
@@ -17,6 +16,7 @@
 #include <holdfast/registration/pipeline_pose.hpp>
 #include <holdfast/registration/scan_skew.hpp>
 #include <holdfast/registration/swim.hpp>
+#include <holdfast/registration/view_coverage.hpp>
 
 namespace holdfast::detail {
 
@@ -49,6 +49,18 @@ struct FramePlanOfExperiment {
   return plan;
 }
 
+/// The field and pixels that a picture is drawn with: the panel's, or, when it will be deflected, as much more as the
+/// budget says.
+[[nodiscard]] inline RenderedView drawn_view(const EyeModel& eye, const ExperimentSettings& settings) {
+  RenderedView view;
+  view.tangents = panel_tangents(eye);
+  view.size = eye.resolution;
+  if (deflection_of(settings).kind == DeflectionKind::none) return view;
+  view.tangents = overfilled(eye.tangents, settings.overfill);
+  view.size = overfilled_size(eye.resolution, eye.tangents, view.tangents);
+  return view;
+}
+
 /// Sums of one frame or of all: root mean squares of what was added.
 struct MeanSquare {
   double sum = 0.0;
@@ -63,15 +75,41 @@ struct MeanSquare {
   }
 };
 
+struct MeanAndPeak {
+  double sum = 0.0, most = 0.0;
+  std::size_t count = 0;
+
+  void add(double x) {
+    sum += x;
+    most = std::max(most, x);
+    ++count;
+  }
+  [[nodiscard]] std::optional<double> mean() const {
+    return count == 0 ? std::nullopt : std::optional<double>(sum / static_cast<double>(count));
+  }
+  [[nodiscard]] std::optional<double> peak() const { return count == 0 ? std::nullopt : std::optional<double>(most); }
+};
+
+/// What is measured of each frame: all, or the errors alone, which are the cheaper part.
+enum class Measures { all, errors };
+
 class ExperimentRun {
  public:
-  ExperimentRun(const Motion& motion, const ExperimentSettings& settings, const RegistrationScene& scene)
+  ExperimentRun(const Motion& motion, const ExperimentSettings& settings, const RegistrationScene& scene,
+                Measures measures = Measures::all)
       : motion_(motion),
         settings_(settings),
         scene_(scene),
         eye_(settings.hmd.eye(settings.eye)),
-        believed_(settings.believed_hmd ? &settings.believed_hmd->eye(settings.eye) : nullptr),
-        swim_(scene.discs.size()) {}
+        believed_(settings.believed_hmd ? settings.believed_hmd->eye(settings.eye) : eye_),
+        how_(deflection_of(settings)),
+        drawn_(drawn_view(believed_, settings)),
+        on_{eye_, believed_, settings.lens, settings.hmd.timing},
+        swim_(scene.discs.size()) {
+    if (measures == Measures::all) view_.emplace(on_);
+  }
+  ExperimentRun(const ExperimentRun&) = delete;
+  ExperimentRun& operator=(const ExperimentRun&) = delete;
 
   void frame(std::size_t index, HostTime t_display, const FrameObserver& observe) {
     FrameRecord record;
@@ -80,12 +118,12 @@ class ExperimentRun {
     record.t_measured = t_display - settings_.latency;
     const MotionState truth = motion_.at(t_display);
     record.X_WH_true = truth.X_WB;
-    record.X_WH_displayed = displayed_pose(motion_, settings_, t_display);
     record.X_WE_true = record.X_WH_true * eye_.X_HE;
-    record.X_WE_displayed = record.X_WH_displayed * (believed_ ? believed_->X_HE : eye_.X_HE);
+    show(record);
     add_pose_errors(record, truth);
     add_fiducials(record);
     add_scan_skew(record);
+    add_coverage(record);
     if (observe) observe(record);
     ++frames_;
   }
@@ -98,17 +136,41 @@ class ExperimentRun {
     row.lens = settings_.lens;
     row.latency_ms = to_milliseconds(settings_.latency);
     row.display = settings_.hmd.timing.scan_out;
+    row.deflection = how_.kind;
+    row.per_scanline = how_.kind != DeflectionKind::none && how_.per_scanline;
+    if (how_.kind != DeflectionKind::none) row.late_ms = to_milliseconds(settings_.late);
     row.frames = frames_;
     row.pose = pose_summary();
     set_registration(row);
     set_motion_columns(row);
     row.scan_skew_arcmin = worst_skew_;
-    row.coverage_missing_pct = coverage_missing_pct(eye_, settings_.lens);
+    set_coverage(row);
     judge(row, settings_);
     return row;
   }
 
  private:
+  /// The picture of the frame, and what the pipeline makes of it.
+  void show(FrameRecord& record) const {
+    const Rigid X_WH_drawn = drawn_pose(motion_, settings_, record.t_display);
+    ShownPicture& shown = record.shown;
+    shown.view = drawn_;
+    shown.view.X_WS = X_WH_drawn * believed_.X_HE;
+    shown.view.t = record.t_display;
+    shown.how = how_;
+    shown.late = LatePoses::at_once(shown.view.X_WS);
+    shown.t_late = record.t_measured;
+    record.X_WH_displayed = X_WH_drawn;
+    if (how_.kind != DeflectionKind::none) {
+      const LateHeadPoses late = late_poses(motion_, settings_, record.t_display);
+      shown.late = {late.X_WH_begin * believed_.X_HE, late.X_WH_end * believed_.X_HE};
+      shown.t_late = late_time(settings_, record.t_display);
+      shown.deflection = deflect(how_, shown.view, shown.late);
+      if (shown.is_deflected()) record.X_WH_displayed = displayed_pose(how_.kind, X_WH_drawn, late.middle());
+    }
+    record.X_WE_displayed = record.X_WH_displayed * believed_.X_HE;
+  }
+
   void add_pose_errors(FrameRecord& record, const MotionState& truth) {
     const Vector3 error = so3::log<double>(record.X_WH_true.q().conjugate() * record.X_WH_displayed.q());
     record.yaw_error_arcmin = error.y() * arcmin_per_rad;
@@ -128,15 +190,14 @@ class ExperimentRun {
   }
 
   void add_fiducials(FrameRecord& record) {
-    const EyeModel& drawing = believed_ ? *believed_ : eye_;
     MeanSquare px, arcmin, mm, swim;
     record.fiducials.reserve(scene_.discs.size());
     for (std::size_t i = 0; i < scene_.discs.size(); ++i) {
       const Disc& disc = scene_.discs[i];
       const auto real =
           real_ellipse(motion_, eye_, settings_.hmd.timing, settings_.lens, disc, record.t_display, record.X_WE_true);
-      const auto drawn = real ? project_disc(drawing, record.X_WE_displayed, disc) : std::nullopt;
-      FiducialRecord f = fiducial_error(eye_, believed_, settings_.lens, real, drawn);
+      const auto shown = real ? shown_centroid(record.shown, on_, disc) : std::nullopt;
+      FiducialRecord f = fiducial_error(eye_, real, shown);
       f.disc = i;
       record.fiducials.push_back(f);
       if (!f.visible) continue;
@@ -164,15 +225,23 @@ class ExperimentRun {
   }
 
   void add_scan_skew(FrameRecord& record) {
-    const DisplayTiming& timing = settings_.hmd.timing;
-    if (timing.scan_out == ScanOut::global || settings_.lens != LensMode::none || believed_) return;
+    const bool straight = settings_.lens == LensMode::none || settings_.lens == LensMode::exact;
+    if (settings_.hmd.timing.scan_out == ScanOut::global || !straight || settings_.believed_hmd) return;
     const auto X_WE_true = [&](double seconds) {
       return motion_.at(record.t_display + from_seconds(seconds)).X_WB * eye_.X_HE;
     };
-    const std::optional<ScanSkew> skew = scan_skew(scene_.edge, eye_, timing, record.X_WE_displayed, X_WE_true);
+    const std::optional<ScanSkew> skew = scan_skew(scene_.edge, record.shown, on_, X_WE_true);
     if (!skew) return;
     record.scan_skew_arcmin = skew->arcmin;
     worst_skew_ = std::max(worst_skew_.value_or(0.0), std::abs(skew->arcmin));
+  }
+
+  void add_coverage(FrameRecord& record) {
+    if (!view_) return;
+    if (how_.kind == DeflectionKind::none && frames_ > 0) return;  // as in the first frame
+    const Coverage coverage = view_->measure(record.shown, scene_);
+    missing_pct_.add(coverage.missing_pct());
+    if (how_.kind == DeflectionKind::depth) disoccluded_pct_.add(coverage.disocclusion_pct());
   }
 
   [[nodiscard]] PoseErrorSummary pose_summary() const {
@@ -184,6 +253,13 @@ class ExperimentRun {
     }
     summary.rms_orientation_arcmin = all.rms().value_or(0.0);
     return summary;
+  }
+
+  void set_coverage(ExperimentRow& row) const {
+    row.coverage_missing_pct = missing_pct_.mean();
+    row.coverage_missing_peak_pct = missing_pct_.peak();
+    row.disocclusion_pct = disoccluded_pct_.mean();
+    row.disocclusion_peak_pct = disoccluded_pct_.peak();
   }
 
   void set_registration(ExperimentRow& row) const {
@@ -226,7 +302,10 @@ class ExperimentRun {
   const ExperimentSettings& settings_;
   const RegistrationScene& scene_;
   const EyeModel& eye_;
-  const EyeModel* believed_;
+  const EyeModel& believed_;  // the true one unless told otherwise
+  DeflectionSettings how_;
+  RenderedView drawn_;  // without pose and time
+  ShownOn on_;
   SwimMeter swim_;
   std::size_t frames_ = 0;
   bool is_still_ = true;
@@ -238,6 +317,8 @@ class ExperimentRun {
   MeanSquare all_arcmin_, all_mm_;
   double peak_arcmin_ = 0.0;
   std::optional<double> worst_skew_;
+  std::optional<ViewCoverageMeter> view_;
+  MeanAndPeak missing_pct_, disoccluded_pct_;
 };
 
 }  // namespace holdfast::detail

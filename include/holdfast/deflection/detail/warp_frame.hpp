@@ -14,6 +14,40 @@
 
 namespace holdfast::detail {
 
+/// Pixels of one row of the target.
+struct TargetPixels {
+  int x = 0;  ///< of the first, a multiple of cell_pixels
+  int y = 0;
+  int count = 0;  ///< at most run_pixels
+};
+
+/// Positions in the source of a run of target pixels.
+inline void locate(const WarpLattice& lattice, const ScanLines& lines, const PositionKernels& kernels, Color color,
+                   const TargetPixels& pixels, WarpRun& run) {
+  const LineMatrix line = lines.at_row(pixels.y);
+  const float y = static_cast<float>(pixels.y) + 0.5F;
+  if (lattice.is_linear()) {
+    kernels.linear(line, y, {pixels.x, pixels.count, run.x, run.y});
+    return;
+  }
+  const LensCells& cells = lattice.cells(color);
+  for (int i = 0; i < pixels.count; i += cell_pixels) {
+    const WarpPiece piece{pixels.x + i, std::min(cell_pixels, pixels.count - i), run.x + i, run.y + i};
+    const LensCell& cell = cells.at(piece.x, pixels.y);
+    const float* numbers = cells.numbers.data() + cell.offset;
+    if (cell.kind == LensCellKind::cubic) {
+      const float from_centre = static_cast<float>(piece.x) + 0.5F - cell_centre(piece.x);
+      kernels.cubic(line, numbers, from_centre, y - cell_centre(pixels.y), piece);
+    } else if (cell.kind == LensCellKind::dense) {
+      const float* t_x = numbers + static_cast<std::ptrdiff_t>(2 * cell_pixels) * (pixels.y % cell_pixels);
+      kernels.dense(line, t_x, t_x + cell_pixels, piece);
+    } else {
+      std::fill(piece.out_x, piece.out_x + cell_pixels, std::numeric_limits<float>::quiet_NaN());
+      std::fill(piece.out_y, piece.out_y + cell_pixels, std::numeric_limits<float>::quiet_NaN());
+    }
+  }
+}
+
 template <typename Channel>
 struct WarpFrame {
   static constexpr int tile_rows = 16;  ///< of run_pixels columns: source and target stay in the nearest cache
@@ -44,7 +78,7 @@ struct WarpFrame {
       draw_colors(x, y, row);
     } else {
       WarpRun run;
-      locate(Color::green, x, y, row.count, run);
+      locate(*lattice, *lines, positions, Color::green, {x, y, row.count}, run);
       sample(source, run, row);
     }
   }
@@ -52,7 +86,9 @@ struct WarpFrame {
   /// Every colour from its own place; covered is what is covered in all of them.
   void draw_colors(int x, int y, const WarpRow<Channel>& row) const {
     WarpRun run[3];
-    for (int c = 0; c < 3; ++c) locate(static_cast<Color>(c), x, y, row.count, run[c]);
+    for (int c = 0; c < 3; ++c) {
+      locate(*lattice, *lines, positions, static_cast<Color>(c), {x, y, row.count}, run[c]);
+    }
     for (int i = 0; i < row.count; ++i) {
       const bool covered = is_covered(source, run[0].x[i], run[0].y[i]) &&
                            is_covered(source, run[1].x[i], run[1].y[i]) && is_covered(source, run[2].x[i], run[2].y[i]);
@@ -67,31 +103,6 @@ struct WarpFrame {
     for (int i = 0; i < 4 * row.count; i += 4) {
       row.pixels[i] = red[i];
       row.pixels[i + 2] = blue[i + 2];
-    }
-  }
-
-  void locate(Color color, int x, int y, int count, WarpRun& run) const {
-    const LineMatrix line = lines->at_row(y);
-    const float centre_y = static_cast<float>(y) + 0.5F;
-    if (lattice->is_linear()) {
-      positions.linear(line, centre_y, {x, count, run.x, run.y});
-      return;
-    }
-    const LensCells& cells = lattice->cells(color);
-    for (int i = 0; i < count; i += cell_pixels) {
-      const WarpPiece piece{x + i, std::min(cell_pixels, count - i), run.x + i, run.y + i};
-      const LensCell& cell = cells.at(piece.x, y);
-      const float* numbers = cells.numbers.data() + cell.offset;
-      if (cell.kind == LensCellKind::cubic) {
-        const float from_centre = static_cast<float>(piece.x) + 0.5F - cell_centre(piece.x);
-        positions.cubic(line, numbers, from_centre, centre_y - cell_centre(y), piece);
-      } else if (cell.kind == LensCellKind::dense) {
-        const float* t_x = numbers + static_cast<std::ptrdiff_t>(2 * cell_pixels) * (y % cell_pixels);
-        positions.dense(line, t_x, t_x + cell_pixels, piece);
-      } else {
-        std::fill(piece.out_x, piece.out_x + cell_pixels, std::numeric_limits<float>::quiet_NaN());
-        std::fill(piece.out_y, piece.out_y + cell_pixels, std::numeric_limits<float>::quiet_NaN());
-      }
     }
   }
 };

@@ -13,7 +13,8 @@
 //   depth_of_tangent  pixel of the depth buffer = (t_S - xy) * zw
 //   line_of_place     as in late_warp.vert, of the panel
 //   per_colour        false: green's search serves all three
-// Alpha: 1 covered, 1/2 disoccluded, 0 (and black) not in the rendered picture, or beyond the panel's edge.
+// Alpha: 1 covered, 1/2 disoccluded, 0 (and black) not in the rendered picture, or beyond the panel's edge; of the three
+// colours the worst.
 noperspective in vec4 red, green, blue;
 layout(binding = 0) uniform sampler2D picture;
 layout(binding = 1) uniform sampler2D facets;
@@ -109,6 +110,7 @@ void main() {
   result = look_up(green);
   if (per_colour) {
     vec4 r = look_up(red), b = look_up(blue);
-    result = vec4(r.r, result.g, b.b, min(result.a, min(r.a, b.a)));
+    float state = min(result.a, min(r.a, b.a));
+    result = state == 0.0 ? vec4(0.0) : vec4(r.r, result.g, b.b, state);
   }
 }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include <holdfast/deflection/composed_warp.hpp>
+#include <holdfast/deflection/cpu_warp.hpp>
 #include <holdfast/deflection/deflect.hpp>
 #include <holdfast/rendering/late_warp_pass.hpp>
 
@@ -88,23 +89,50 @@ template <typename Place>
   return d;
 }
 
-/// The picture that the definition gives; alpha 255 where all colours are covered.
-template <typename Place>
-[[nodiscard]] io::Image warped_by(const Place& place, const io::Image& source, PixelSize size) {
+/// The same warp by CpuWarp, or, as seen, by the definition pixel for pixel.
+[[nodiscard]] inline io::Image warped_on_cpu(const ComposedWarp& warp, const io::Image& source, bool seen) {
+  const PixelSize size = warp.eye().resolution;
   io::Image warped(size.width, size.height, {0, 0, 0, 0});
+  if (!seen) {
+    CpuWarp cpu({.threads = 1});
+    const WarpLattice lattice(warp.eye(), warp.mode());
+    const auto problem = cpu.draw(lattice, warp, PictureSpan(source.rgba.data(), source.width, source.height),
+                                  PictureSpan(warped.rgba.data(), size.width, size.height));
+    REQUIRE(problem == CpuWarpProblem::none);
+    return warped;
+  }
   for (int y = 0; y < size.height; ++y) {
     for (int x = 0; x < size.width; ++x) {
       io::Rgba shown{0, 0, 0, 255};
       for (std::size_t c = 0; c < 3; ++c) {
-        const std::optional<Vector2> from = place(Vector2(x + 0.5, y + 0.5), static_cast<Color>(c));
-        const bool covered = from && from->minCoeff() >= 0.0 && from->x() <= source.width && from->y() <= source.height;
-        if (!covered) shown[3] = 0;
-        if (covered) shown[c] = static_cast<std::uint8_t>(std::lround(look_up(source, *from, static_cast<int>(c))));
+        const SourceSample from = warp.sample_seen(Vector2(x + 0.5, y + 0.5), static_cast<Color>(c));
+        if (from.state != SourceState::covered) shown[3] = 0;
+        if (from.state == SourceState::covered)
+          shown[c] = static_cast<std::uint8_t>(std::lround(look_up(source, from.pixel, static_cast<int>(c))));
       }
       warped.set(x, y, shown);
     }
   }
   return warped;
+}
+
+/// Of two warped pictures: the colours' RMS difference where both are covered, and where only one is.
+struct Likeness {
+  double rms = 0.0;
+  double mask_pct = 0.0;
+};
+
+[[nodiscard]] inline Likeness compare_covered(const io::Image& a, const io::Image& b) {
+  Likeness result;
+  double squares = 0.0, channels = 0.0;
+  for (std::size_t i = 0; i < a.rgba.size(); i += 4) {
+    if (a.rgba[i + 3] != b.rgba[i + 3]) result.mask_pct += 1.0;
+    if (a.rgba[i + 3] != 255 || b.rgba[i + 3] != 255) continue;
+    for (std::size_t c = 0; c < 3; ++c, channels += 1.0) squares += std::pow(a.rgba[i + c] - b.rgba[i + c], 2);
+  }
+  result.rms = std::sqrt(squares / std::max(1.0, channels));
+  result.mask_pct *= 400.0 / static_cast<double>(a.rgba.size());
+  return result;
 }
 
 /// RMS distance (px) of the discs' centroids in two pictures.

@@ -40,7 +40,7 @@ enum class MeshProblem {
   none,
   no_pixels,                 ///< width or height of the panel is not positive
   impossible_field,          ///< the eye's tangents, or those of the field asked for
-  error_bound_out_of_range,  ///< max_error_px is below 0.001 or not finite, or border_error_px not in 0.01 to 100
+  error_bound_out_of_range,  ///< max_error_px is below 0.005 or not finite, or border_error_px not in 0.01 to 100
   no_cells,                  ///< columns or rows of a grid not in 1 to 4096
   nothing_visible,           ///< the lens's domain lies outside the panel, or the field outside what the panel shows
   too_many_vertices,         ///< the bound would need more than max_vertices
@@ -55,7 +55,7 @@ enum class MeshProblem {
     case MeshProblem::impossible_field:
       return "the field of view is impossible: tangents must be finite and enclose an area";
     case MeshProblem::error_bound_out_of_range:
-      return "the error bound is out of range: expected 0.001 px or more, and a border's of 0.01 to 100 px";
+      return "the error bound is out of range: expected 0.005 px or more, and a border's of 0.01 to 100 px";
     case MeshProblem::no_cells:
       return "a grid needs 1 to 4096 columns and rows";
     case MeshProblem::nothing_visible:

@@ -16,14 +16,17 @@
 namespace holdfast::detail {
 
 /// How much larger than found the error may be between the points that were tried, and by the rounding to float.
-inline constexpr double error_margin = 1.05;
+/// Between the kinks of point meshes more than in smooth lenses.
+[[nodiscard]] inline double error_margin_of(const PanelMap& map) {
+  return map.is_smooth() ? 1.05 : 2.0;
+}
 
 class AdaptiveMesher {
  public:
   AdaptiveMesher(const PanelLooker& looker, const PixelSize& panel, const AdaptiveMeshOptions& options)
       : looker_(looker),
         options_(options),
-        limit_(options.max_error_px / error_margin),
+        limit_(options.max_error_px / error_margin_of(looker.map())),
         coarsest_px_(std::max(panel.width, panel.height) / 8.0),
         lattice_(looker.map().is_simple() ? 8 : 1),
         bisection_(cells(panel.width, panel.height), cells(panel.height, panel.width)) {}
@@ -74,39 +77,56 @@ class AdaptiveMesher {
         return error.px > limit_ && length_px > shortest_edge_px * lattice_.pieces();
       }
     }
-    std::vector<PanelPoint> node(lattice_.size());
+    return is_a_piece_too_coarse(corner, error_px_[t]);
+  }
+
+  /// Tries every small triangle itself; the errors join `worst_px`.
+  [[nodiscard]] bool is_a_piece_too_coarse(const std::array<PanelPoint, 3>& corner, double& worst_px) {
+    node_.resize(lattice_.size());
+    inside_.resize(lattice_.size());
     for (std::uint32_t j = 0; j <= lattice_.pieces(); ++j) {
-      for (std::uint32_t i = 0; i + j <= lattice_.pieces(); ++i)
-        node[lattice_.index(i, j)] = lattice_.point(corner, i, j);
+      for (std::uint32_t i = 0; i + j <= lattice_.pieces(); ++i) {
+        const std::size_t k = lattice_.index(i, j);
+        node_[k] = lattice_.point(corner, i, j);
+        inside_[k] = looker_.look(node_[k]).inside;
+      }
     }
     bool too_coarse = false;
     lattice_.for_triangles([&](std::size_t a, std::size_t b, std::size_t c) {
-      too_coarse = too_coarse || is_piece_too_coarse({node[a], node[b], node[c]}, error_px_[t]);
+      if (too_coarse) return;
+      const std::array<PanelPoint, 3> piece{node_[a], node_[b], node_[c]};
+      const CutTriangle shown = cut({inside_[a] != 0, inside_[b] != 0, inside_[c] != 0});
+      const double length_px = looker_.pixels_between(piece[0], piece[1]).norm();
+      const bool is_bad = shown.is_cut() ? is_bad_at_border(piece, shown, length_px, worst_px)
+                                         : is_bad_inside(piece, shown.count == 0, worst_px);
+      too_coarse = is_bad && length_px > shortest_edge_px;
     });
     return too_coarse;
   }
 
-  /// One small triangle, tried itself; its error joins `worst_px`.
-  [[nodiscard]] bool is_piece_too_coarse(const std::array<PanelPoint, 3>& corner, double& worst_px) const {
-    const double length_px = looker_.pixels_between(corner[0], corner[1]).norm();
-    const bool may_split = length_px > shortest_edge_px;
-    const CutTriangle shown =
-        cut({looker_.look(corner[0]).inside, looker_.look(corner[1]).inside, looker_.look(corner[2]).inside});
-    if (shown.count == 0) return may_split && error_of(looker_, corner, 0.0).shown;
-    const bool is_cut = shown.count == 2 || shown.parts[0][1].is_on_border();
-    if (is_cut && length_px > longest_border_edge_px) return true;
-    bool too_coarse = false;
-    for (std::size_t i = 0; i < shown.count && !too_coarse; ++i) {
-      std::array<PanelPoint, 3> part;
-      for (std::size_t k = 0; k < 3; ++k) part[k] = point_of(looker_, corner, shown.parts[i][k]);
-      const TriangleError error = error_of(looker_, part, limit_);
-      worst_px = std::max(worst_px, error.px);
-      too_coarse = error.px > limit_ || (!is_cut && error.hole);
+  /// A piece whose corners all show something, or none does.
+  [[nodiscard]] bool is_bad_inside(const std::array<PanelPoint, 3>& piece, bool is_dark, double& worst_px) const {
+    const TriangleError error = error_of(looker_, piece, limit_);
+    if (is_dark) return error.shown;
+    worst_px = std::max(worst_px, error.px);
+    return error.px > limit_ || error.hole;
+  }
+
+  [[nodiscard]] bool is_bad_at_border(const std::array<PanelPoint, 3>& piece, const CutTriangle& shown,
+                                      double length_px, double& worst_px) const {
+    if (length_px > longest_border_edge_px) return true;
+    std::array<std::array<PanelPoint, 3>, 2> part;
+    for (std::size_t i = 0; i < shown.count; ++i) part[i] = points_of(looker_, piece, shown.parts[i]);
+    // From the one to the other end of the border's chord, what shows something is on the left.
+    const bool one = shown.count == 1;
+    const bool keeps = one ? keeps_to_border(looker_, part[0][1], part[0][2], options_.border_error_px)
+                           : keeps_to_border(looker_, part[1][2], part[0][0], options_.border_error_px);
+    double worst_part_px = 0.0;
+    for (std::size_t i = 0; i < shown.count; ++i) {
+      worst_part_px = std::max(worst_part_px, error_of(looker_, part[i], limit_).px);
     }
-    if (!is_cut || too_coarse) return may_split && too_coarse;
-    const auto [from, to] = shown.chord();
-    return may_split && !keeps_to_border(looker_, point_of(looker_, corner, from), point_of(looker_, corner, to),
-                                         options_.border_error_px);
+    worst_px = std::max(worst_px, worst_part_px);
+    return !keeps || worst_part_px > limit_;
   }
 
   const PanelLooker& looker_;
@@ -115,6 +135,8 @@ class AdaptiveMesher {
   PieceLattice lattice_;
   Bisection bisection_;
   std::vector<double> error_px_;  ///< of each triangle, as it was last tried
+  std::vector<PanelPoint> node_;  ///< of the triangle that is tried
+  std::vector<std::uint8_t> inside_;
 };
 
 }  // namespace holdfast::detail

@@ -12,6 +12,7 @@
 
 #include <holdfast/optics/detail/mesh_cut.hpp>
 #include <holdfast/optics/detail/mesh_pieces.hpp>
+#include <holdfast/optics/detail/point_mesh_triangles.hpp>
 #include <holdfast/optics/predistortion_mesh.hpp>
 
 namespace holdfast::detail {
@@ -39,6 +40,16 @@ class MeshAssembly {
       mesh_.vertices.clear();
       mesh_.problem = MeshProblem::nothing_visible;
     }
+    return std::move(mesh_);
+  }
+
+  /// Triangles that are cut already.
+  [[nodiscard]] PredistortionMesh assemble(const PointMeshTriangles& done) && {
+    for (std::size_t i = 0; i < done.points.size(); ++i)
+      mesh_.vertices.push_back(vertex(done.points[i], done.looks[i]));
+    for (const auto& v : done.triangles) push(v);
+    drop_unused();
+    if (mesh_.triangles.empty()) mesh_.problem = MeshProblem::nothing_visible;
     return std::move(mesh_);
   }
 

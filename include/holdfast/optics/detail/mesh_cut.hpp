@@ -21,12 +21,7 @@ struct CutTriangle {
   std::array<std::array<CutCorner, 3>, 2> parts{};
   std::size_t count = 0;
 
-  /// The ends of the border's chord: on the way from the first to the second, what shows something is on the left.
-  /// Precondition: cut by a border.
-  [[nodiscard]] std::array<CutCorner, 2> chord() const {
-    if (count == 1) return {parts[0][1], parts[0][2]};
-    return {parts[1][2], parts[0][0]};
-  }
+  [[nodiscard]] bool is_cut() const { return count == 2 || (count == 1 && parts[0][1].is_on_border()); }
 };
 
 /// inside: which of the corners show something.
@@ -72,9 +67,16 @@ struct CutTriangle {
   return at(low);
 }
 
-[[nodiscard]] inline PanelPoint point_of(const PanelLooker& looker, const std::array<PanelPoint, 3>& corner,
-                                         const CutCorner& c) {
-  return c.is_on_border() ? border_between(looker, corner[c.in], corner[c.out]) : corner[c.in];
+/// The part's corners on the panel.
+[[nodiscard]] inline std::array<PanelPoint, 3> points_of(const PanelLooker& looker,
+                                                         const std::array<PanelPoint, 3>& corner,
+                                                         const std::array<CutCorner, 3>& part) {
+  std::array<PanelPoint, 3> points;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const CutCorner& c = part[k];
+    points[k] = c.is_on_border() ? border_between(looker, corner[c.in], corner[c.out]) : corner[c.in];
+  }
+  return points;
 }
 
 /// Whether a b c is counter-clockwise with some area.

@@ -41,6 +41,7 @@ class PanelMap {
   }
 
   [[nodiscard]] int colours() const { return colours_; }
+  [[nodiscard]] bool is_smooth() const { return smooth_; }
   /// A few points tell how the lens bends between them, and no border is expected but perhaps that of its domain.
   [[nodiscard]] bool is_simple() const { return smooth_ && !inverse_ && !field_ && !identity_; }
   /// Every panel point shows its own tangent.

@@ -69,12 +69,23 @@ namespace detail {
     const CutTriangle shown =
         cut({looker.look(corner[0]).inside, looker.look(corner[1]).inside, looker.look(corner[2]).inside});
     for (std::size_t i = 0; i < shown.count; ++i) {
-      std::array<PanelPoint, 3> part;
-      for (std::size_t k = 0; k < 3; ++k) part[k] = point_of(looker, corner, shown.parts[i][k]);
+      const std::array<PanelPoint, 3> part = points_of(looker, corner, shown.parts[i]);
       worst = std::max(worst, error_of(looker, part, std::numeric_limits<double>::infinity()).px);
     }
   }
   return worst;
+}
+
+/// The error that was found, with its margin; never below what rounding may do, to float and to the panel's lattice
+/// (seen at most 8 times enlarged).
+[[nodiscard]] inline double stated_error_px(const PanelLooker& looker, const PredistortionMesh& mesh, double found_px) {
+  float largest = 0.0f;
+  for (const PredistortionVertex& v : mesh.vertices) {
+    largest = std::max({largest, std::abs(v.tangent[1][0]), std::abs(v.tangent[1][1])});
+  }
+  const double rounding =
+      largest * looker.px_per_tangent().norm() + 8.0 * std::hypot(mesh.resolution.width, mesh.resolution.height);
+  return std::max(error_margin_of(looker.map()) * found_px, std::ldexp(rounding, -24));
 }
 
 }  // namespace detail
@@ -83,15 +94,23 @@ inline PredistortionMesh adaptive_mesh(const EyeModel& eye, LensMode mode, const
   if (const MeshProblem problem = detail::problem_of_panel(eye, options.field); problem != MeshProblem::none) {
     return detail::no_mesh(eye, problem);
   }
-  if (!(options.max_error_px >= 0.001) || !std::isfinite(options.max_error_px) ||
+  if (!(options.max_error_px >= 0.005) || !std::isfinite(options.max_error_px) ||
       !(options.border_error_px >= 0.01 && options.border_error_px <= 100.0)) {
     return detail::no_mesh(eye, MeshProblem::error_bound_out_of_range);
   }
-  const detail::PanelLooker looker(detail::upright_left(eye), mode, detail::upright_left(options.field, eye.side));
+  const EyeModel left = detail::upright_left(eye);
+  const std::optional<FieldTangents> field = detail::upright_left(options.field, eye.side);
+  const detail::PanelLooker looker(left, mode, field);
+  if (auto lenses = detail::shared_point_mesh(left, mode); !lenses.empty()) {
+    const detail::PointMeshCutter cutter(left, std::move(lenses), field);
+    PredistortionMesh mesh = detail::MeshAssembly(looker, eye).assemble(detail::triangles_of(cutter));
+    if (mesh.ok()) mesh.max_error_px = detail::stated_error_px(looker, mesh, 0.0);
+    return mesh;
+  }
   detail::AdaptiveMesher mesher(looker, eye.resolution, options);
   if (!mesher.refine()) return detail::no_mesh(eye, MeshProblem::too_many_vertices);
   PredistortionMesh mesh = detail::MeshAssembly(looker, eye).assemble(mesher.draft());
-  if (mesh.ok()) mesh.max_error_px = detail::error_margin * mesher.worst_px();
+  if (mesh.ok()) mesh.max_error_px = detail::stated_error_px(looker, mesh, mesher.worst_px());
   return mesh;
 }
 
@@ -104,7 +123,7 @@ inline PredistortionMesh grid_mesh(const EyeModel& eye, LensMode mode, int colum
   const detail::PanelLooker looker(detail::upright_left(eye), mode, detail::upright_left(field, eye.side));
   const detail::MeshDraft draft = detail::grid(static_cast<std::uint32_t>(columns), static_cast<std::uint32_t>(rows));
   PredistortionMesh mesh = detail::MeshAssembly(looker, eye).assemble(draft);
-  if (mesh.ok()) mesh.max_error_px = detail::error_margin * detail::worst_px(looker, draft);
+  if (mesh.ok()) mesh.max_error_px = detail::stated_error_px(looker, mesh, detail::worst_px(looker, draft));
   return mesh;
 }
 

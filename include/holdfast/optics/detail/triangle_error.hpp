@@ -149,15 +149,15 @@ using Barycentric = std::array<double, 3>;
   TriangleError error;
   for (const PanelLook& one : seen) (one.inside ? error.shown : error.hole) = true;
   if (error.hole) return error;
-  constexpr std::array<std::size_t, 3> inner{row[1] + 1, row[1] + 2, row[2] + 1};  // towards corner 0, 1, 2
-  double worst2 = 0.0;
+  constexpr std::array<std::size_t, 3> inner_node{row[1] + 1, row[1] + 2, row[2] + 1};  // towards corner 0, 1, 2
+  double worst2 = 0.0, deviation2 = 0.0;
   for (std::size_t c = 0; c < looker.colours(); ++c) {
     const auto f = [&](std::size_t i, std::size_t j) -> const Vector2& { return seen[row[j] + i].ideal[c]; };
     // Second differences along the edges 01, 02 and 12, at the three inner nodes.
     std::array<std::array<Vector2, 3>, 3> d;
     for (std::size_t n = 0; n < 3; ++n) {
       const std::size_t j = n == 2 ? 2 : 1, i = n == 1 ? 2 : 1;
-      const Vector2 twice = 2.0 * seen[inner[n]].ideal[c];
+      const Vector2 twice = 2.0 * seen[inner_node[n]].ideal[c];
       d[0][n] = f(i - 1, j) - twice + f(i + 1, j);
       d[1][n] = f(i, j - 1) - twice + f(i, j + 1);
       d[2][n] = f(i + 1, j - 1) - twice + f(i - 1, j + 1);
@@ -180,15 +180,22 @@ using Barycentric = std::array<double, 3>;
       take((4.0 / 9.0) *
            ((3.0 - 8.0 / (3.0 * m)) * sum(n) + (4.0 / (3.0 * m) - 1.0) * (sum((n + 1) % 3) + sum((n + 2) % 3))));
     }
-    // Along the border, where the lattice reaches farther out.
+    // On the large edges, where the lattice reaches farther out: what is not linear there grows outward,
+    // and is added three times.
+    const auto add = [&](const Vector2& difference, const std::array<Vector2, 3>& inner, double w0, double w1,
+                         double w2) {
+      const Vector2 off = difference - (w0 * inner[0] + w1 * inner[1] + w2 * inner[2]);
+      deviation2 = std::max(deviation2, off.cwiseProduct(looker.px_per_tangent()).squaredNorm());
+    };
     for (std::size_t i = 1; i < 4; ++i) {
-      take(f(i - 1, 0) - 2.0 * f(i, 0) + f(i + 1, 0));
-      take(f(0, i - 1) - 2.0 * f(0, i) + f(0, i + 1));
-      take(f(4 - i + 1, i - 1) - 2.0 * f(4 - i, i) + f(4 - i - 1, i + 1));
+      const double near = 3.0 - static_cast<double>(i), far = static_cast<double>(i) - 1.0;
+      add(f(i - 1, 0) - 2.0 * f(i, 0) + f(i + 1, 0), d[0], near, far, -1.0);
+      add(f(0, i - 1) - 2.0 * f(0, i) + f(0, i + 1), d[1], near, -1.0, far);
+      add(f(5 - i, i - 1) - 2.0 * f(4 - i, i) + f(3 - i, i + 1), d[2], -1.0, near, far);
     }
   }
   const double of_lattice = 4.0 / pieces;
-  error.px = std::sqrt(worst2) / 8.0 * of_lattice * of_lattice;
+  error.px = (std::sqrt(worst2) + 3.0 * std::sqrt(deviation2)) / 8.0 * of_lattice * of_lattice;
   return error;
 }
 

@@ -9,7 +9,8 @@
 /// Sources: Brown 1966; OpenCV calib3d (CALIB_RATIONAL_MODEL for k4 to k6). Units: tangents. OpenCV's formula takes the
 /// undistorted direction and gives the image point: as a calibration of a display it is a
 /// ReversedLens<BrownConradyLens>. Its y points down: place it with a negative scale in y (LensPlacement), which leaves
-/// k and p as they are. Domain and inverse as in PlanarModel, up to tangents of 10 and short of the denominator's zero.
+/// k and p as they are. Domain and inverse as in PlanarModel, up to tangents of 10 and to where the denominator has
+/// fallen to 1/1000.
 /// Bad input: BrownConradyLens::problem_of.
 #pragma once
 
@@ -64,9 +65,8 @@ class BrownConradyMap {
   }
   [[nodiscard]] double limit() const {
     constexpr double widest_tangent = 10.0;
-    const std::array<double, 4> denominator{1.0, c_.k4, c_.k5, c_.k6};
-    const double pole = std::sqrt(detail::first_sign_change(denominator, 1e12));
-    return std::min(widest_tangent, 0.999 * pole);
+    const std::array<double, 4> near_pole{1.0 - 1e-3, c_.k4, c_.k5, c_.k6};
+    return std::min(widest_tangent, std::sqrt(detail::first_sign_change(near_pole, 1e12)));
   }
 
  private:

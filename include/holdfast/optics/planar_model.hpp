@@ -111,27 +111,26 @@ template <PlanarMap M>
   constexpr int points = 256;
   constexpr int rings = 16;
   domain.smallest_slope = 1.0;
-  double steepest = 0.0;  // of f itself
   for (int ring = 0; ring <= rings; ++ring) {
     for (int i = 0; i < points; ++i) {
-      const PlanarValue f = map.at(on_circle(domain.radius * ring / rings, i, points));
-      const Matrix2 J = P * f.J;
+      const Matrix2 J = P * map.at(on_circle(domain.radius * ring / rings, i, points)).J;
       domain.smallest_slope = std::min(domain.smallest_slope, smaller_symmetric_eigenvalue(J));
       domain.largest_slope = std::max(domain.largest_slope, J.norm());
-      steepest = std::max(steepest, f.J.norm());
     }
   }
   domain.smallest_slope *= 0.9;  // what lies between the samples
   domain.largest_slope *= 1.1;
-  // The edge's image encloses what is covered. Between samples it comes nearer by at most half a step.
+  // The edge's image encloses what is covered. Between samples it comes nearer by at most half a step's way.
   constexpr int edge_points = 2048;
-  const double between = 1.1 * steepest * std::numbers::pi * domain.radius / edge_points;
+  const double half_step = 1.2 * std::numbers::pi * domain.radius / edge_points;
   double from_centre = std::numeric_limits<double>::infinity();
   double from_origin = from_centre;
   for (int i = 0; i < edge_points; ++i) {
-    const Vector2 seen = map.at(on_circle(domain.radius, i, edge_points)).seen;
-    from_centre = std::min(from_centre, (seen - f0).norm() - between);
-    from_origin = std::min(from_origin, seen.norm() - between);
+    const Vector2 edge = on_circle(domain.radius, i, edge_points);
+    const PlanarValue f = map.at(edge);
+    const double between = half_step * (f.J * Vector2(-edge.y(), edge.x())).norm() / domain.radius;
+    from_centre = std::min(from_centre, (f.seen - f0).norm() - between);
+    from_origin = std::min(from_origin, f.seen.norm() - between);
   }
   domain.image_radius = f0.norm() < from_centre ? std::max(0.0, from_origin) : 0.0;
   return domain;

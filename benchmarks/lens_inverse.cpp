@@ -1,7 +1,8 @@
 // Exact inverse of the radial lens per point, against cv::undistortPoints on the same lens (Brown's k1 alone) and the
 // same points. OpenCV iterates a fixed point: with its default criteria (5 steps) it leaves pixels, so it is also timed
 // with the criteria that bring it to our accuracy. `residual_px` is the worst |distort(undistort(v)) - v| over the
-// points, at 481 px per unit of tangent.
+// points, at 481 px per unit of tangent. The other models follow, each on real parameters (tests/optics/published_lenses)
+// and the same points, cut down to its domain; the first is RadialLens behind the class Lens, with its placement.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -11,7 +12,9 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 
-#include <holdfast/optics/radial_lens.hpp>
+#include <holdfast/optics/lens.hpp>
+
+#include "../tests/optics/published_lenses.hpp"
 
 namespace {
 
@@ -61,6 +64,32 @@ void holdfast_exact(benchmark::State& state) {
   report(state, seen, panel);
 }
 BENCHMARK(holdfast_exact);
+
+/// Any model's inverse, over the points scaled into the disc that it covers (at most 1.2 tangents).
+void model_inverse(benchmark::State& state, const test::PublishedLens& published) {
+  const Lens& of_model = published.lens;
+  std::vector<Vector2> seen = seen_points();
+  double farthest = 0.0;
+  for (const Vector2& v : seen) farthest = std::max(farthest, v.norm());
+  for (Vector2& v : seen) v = of_model.centre() + v * (std::min(1.2, published.seen_radius) / farthest);
+  std::vector<Vector2> panel(seen.size());
+  for (auto _ : state) {
+    for (std::size_t i = 0; i < seen.size(); ++i) panel[i] = *of_model.undistort(seen[i]);
+    benchmark::DoNotOptimize(panel.data());
+    benchmark::ClobberMemory();
+  }
+  double worst = 0.0;
+  for (std::size_t i = 0; i < seen.size(); ++i) worst = std::max(worst, (*of_model.distort(panel[i]) - seen[i]).norm());
+  state.counters["per_point"] = benchmark::Counter(
+      static_cast<double>(seen.size()), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["residual_px"] = worst * px_per_tangent;
+}
+const bool models_registered = [] {
+  for (const test::PublishedLens& published : test::published_lenses()) {
+    benchmark::RegisterBenchmark(("lens: " + published.name).c_str(), model_inverse, published);
+  }
+  return true;
+}();
 
 void opencv(benchmark::State& state, const cv::TermCriteria& criteria) {
   const std::vector<Vector2> seen = seen_points();

@@ -10,23 +10,43 @@
 
 #include <holdfast/optics/optics.hpp>
 
+#include "optics/published_lenses.hpp"
+
 namespace {
 std::size_t allocations = 0;
 }
 
-void* operator new(std::size_t size) {
+// Not inlined: g++ would see malloc on one side and delete on the other, and warn.
+[[gnu::noinline]] void* operator new(std::size_t size) {
   ++allocations;
   if (void* p = std::malloc(size)) return p;
   throw std::bad_alloc();
 }
-void operator delete(void* p) noexcept {
+[[gnu::noinline]] void operator delete(void* p) noexcept {
   std::free(p);
 }
-void operator delete(void* p, std::size_t) noexcept {
+[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept {
   std::free(p);
 }
 
 using namespace holdfast;
+
+TEST_CASE("no lens model allocates, whatever it is asked") {
+  const std::vector<test::PublishedLens> lenses = test::published_lenses();
+  double sum = 0.0;
+  const std::size_t before = allocations;
+  for (const test::PublishedLens& p : lenses) {
+    for (int i = 0; i < 20; ++i) {
+      const Vector2 t(0.05 * i, 0.07 * i - 0.3);  // some outside the domain
+      if (const auto seen = p.lens.distort(t)) sum += seen->sum();
+      if (const auto panel = p.lens.undistort(t)) sum += panel->sum();
+      if (const auto J = p.lens.undistort_jacobian(t)) sum += J->sum();
+      sum += p.lens.distort_jacobian(Vector2(0.1 * t)).sum();
+    }
+  }
+  CHECK(allocations == before);
+  CHECK(std::isfinite(sum));
+}
 
 TEST_CASE("projection, rays and lenses allocate nothing") {
   HmdModel hmd = default_hmd();

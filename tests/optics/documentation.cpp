@@ -1,5 +1,6 @@
 // The code of docs/optics.md, as it stands there.
 #include <cstdio>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -23,4 +24,19 @@ TEST_CASE("the page's second example") {
   if (!field.ok()) std::puts(describe(field.problem).data());
   Angle width = fov_horizontal(field.value());
   CHECK(width.degrees() == doctest::Approx(66.35).epsilon(1e-4));
+}
+
+TEST_CASE("the page's lenses") {
+  EyeModel eye = default_hmd().left;
+  eye.lens = Lens(RadialLens{0.1933}, placed_at(0.504));
+  eye.lens_red = Lens(PolynomialLens(std::vector{0.22, 0.24}, 0.996), placed_at(0.91, Vector2(0.15, 0.0)));
+  eye.lens_blue = ReversedLens(BrownConradyLens({.k1 = -0.283, .k2 = 0.074}));
+  std::optional<Vector2> panel = eye.lens.undistort(Vector2(0.3, 0.2));
+  double radius = eye.lens.valid_radius();
+  CHECK(panel.has_value());
+  CHECK(radius > 1.0);
+  for (const Color color : {Color::red, Color::green, Color::blue}) {
+    const Vector2 seen = seen_pixel(eye, LensMode::exact, Vector2(700.0, 300.0), color).value();
+    CHECK((seen - Vector2(700.0, 300.0)).norm() < 1e-11);
+  }
 }

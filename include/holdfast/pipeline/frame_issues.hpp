@@ -15,21 +15,23 @@ enum class FrameIssue : std::uint8_t {
   clamped,            ///< the measurement is too old: predicted up to the limit, held from there
   backwards,          ///< the time asked lies before the measurement: the pose was held
   not_finite,         ///< the source answered a NaN or an infinity
+  stale,              ///< the measurement is older than FrameLoopSettings::stale_after: the tracker has stopped
   clocks_mixed,       ///< the measurement's time lies after now: tracker and host clocks are not aligned
   missed_scan_out,    ///< the picture is shown later than it was planned and drawn for
   not_covered,        ///< the late pose needs tangents beyond the picture's overfill: an edge of the view has no source
   deflection_refused  ///< the deflection could not be computed (DeflectionResult says why): the picture is shown as drawn
 };
 
-inline constexpr std::array frame_issues{
-    FrameIssue::no_pose,         FrameIssue::no_velocity, FrameIssue::clamped,
-    FrameIssue::backwards,       FrameIssue::not_finite,  FrameIssue::clocks_mixed,
-    FrameIssue::missed_scan_out, FrameIssue::not_covered, FrameIssue::deflection_refused};
+inline constexpr std::array frame_issues{FrameIssue::no_pose,      FrameIssue::no_velocity,
+                                         FrameIssue::clamped,      FrameIssue::backwards,
+                                         FrameIssue::not_finite,   FrameIssue::stale,
+                                         FrameIssue::clocks_mixed, FrameIssue::missed_scan_out,
+                                         FrameIssue::not_covered,  FrameIssue::deflection_refused};
 
 [[nodiscard]] constexpr std::string_view to_string(FrameIssue issue) {
-  constexpr std::string_view names[] = {"no_pose",         "no_velocity", "clamped",
-                                        "backwards",       "not_finite",  "clocks_mixed",
-                                        "missed_scan_out", "not_covered", "deflection_refused"};
+  constexpr std::string_view names[] = {
+      "no_pose", "no_velocity",  "clamped",         "backwards",   "not_finite",
+      "stale",   "clocks_mixed", "missed_scan_out", "not_covered", "deflection_refused"};
   return names[static_cast<std::size_t>(issue)];
 }
 

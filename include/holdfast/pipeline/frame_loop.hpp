@@ -96,7 +96,7 @@ class FrameLoop {
       latch.issues.add(FrameIssue::no_pose);
       return latch;
     }
-    check_clocks(measured->t, now, latch.issues);
+    check_age(measured->t, now, latch.issues);
     const PredictionResult head = predicted(*measured, frame.t(), latch.issues);
     const Rigid moved = relative_pose(frame.head.X_WB, head.X_WB);
     latch.fresher = measured->t - frame.plan.measured;
@@ -119,7 +119,7 @@ class FrameLoop {
       result.issues.add(FrameIssue::no_pose);
     } else {
       result.measured = measured->t;
-      check_clocks(measured->t, now, result.issues);
+      check_age(measured->t, now, result.issues);
       result.head_begin = predicted(*measured, result.scan_begin, result.issues);
       result.head_end = predicted(*measured, result.scan_end, result.issues);
     }
@@ -151,14 +151,14 @@ class FrameLoop {
     EyePicture picture;
   };
 
-  void check_clocks(HostTime measured, HostTime now, FrameIssues& issues) const {
-    if (detail::seconds_between(now, measured) > to_seconds(settings_.clock_tolerance)) {
-      issues.add(FrameIssue::clocks_mixed);
-    }
+  void check_age(HostTime measured, HostTime now, FrameIssues& issues) const {
+    const double age = detail::seconds_between(measured, now);
+    if (age > to_seconds(settings_.stale_after)) issues.add(FrameIssue::stale);
+    if (-age > to_seconds(settings_.clock_tolerance)) issues.add(FrameIssue::clocks_mixed);
   }
 
   [[nodiscard]] FramePlan plan(HostTime measured, HostTime now, FrameIssues& issues) const {
-    check_clocks(measured, now, issues);
+    check_age(measured, now, issues);
     FramePlanSettings s;
     s.display = display_;
     s.compute_time = settings_.compute_time;

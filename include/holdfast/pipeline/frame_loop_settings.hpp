@@ -31,6 +31,8 @@ struct FrameLoopSettings {
   Duration warp_time{0};           ///< from deflect to the deflected picture being ready for scan-out
   Duration clock_tolerance = std::chrono::milliseconds(1);  ///< how far a measurement's time may lie after now
 
+  Duration stale_after = std::chrono::milliseconds(100);  ///< a measurement that is older at now is reported
+
   ClipSettings clip;
   LensMode lens = LensMode::exact;
   DeflectionSettings deflection;
@@ -77,6 +79,7 @@ namespace pipeline_detail {
   if (is_outside(settings.render_start_phase)) return FrameLoopProblem{"render_start_phase", up_to_1_s};
   if (is_outside(settings.warp_time)) return FrameLoopProblem{"warp_time", up_to_1_s};
   if (is_outside(settings.clock_tolerance)) return FrameLoopProblem{"clock_tolerance", up_to_1_s};
+  if (is_outside(settings.stale_after)) return FrameLoopProblem{"stale_after", up_to_1_s};
   if (settings.scan_out_refreshes < 1 || settings.scan_out_refreshes > 100) {
     return FrameLoopProblem{"scan_out_refreshes", "1 to 100"};
   }

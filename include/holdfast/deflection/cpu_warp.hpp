@@ -108,6 +108,7 @@ class CpuWarp {
     frame.target = target;
     frame.positions = detail::position_kernels(vectors_);
     frame.sample = detail::sample_kernel<Channel>(filter_, vectors_);
+    frame.sample_colors = detail::sample_colors_kernel<Channel>(filter_, vectors_);
     frame.finish = detail::finish_kernel(vectors_);
     frame.stream = bytes(target) >= stream_bytes;
     pool_.run(frame.tiles(), [&frame](int tile) { frame.draw_tile(tile); });

@@ -80,21 +80,25 @@ HOLDFAST_AVX2_INLINE PixelPairs gather_pairs(const std::uint8_t* data, __m256i l
   return {_mm256_unpacklo_epi32(l, r), _mm256_unpackhi_epi32(l, r)};
 }
 
-/// Eight pixels whose neighbours are all within the picture.
-HOLDFAST_AVX2_INLINE __m256i bilinear8_inside(const WarpSource<std::uint8_t>& s, __m256 x, __m256 y) {
+/// What eight pixels are blended from.
+struct Neighbours8 {
+  PixelPairs lower, upper;
+  BilinearWeights weights;
+};
+
+/// All neighbours are within the picture.
+HOLDFAST_AVX2_INLINE Neighbours8 neighbours_inside(const WarpSource<std::uint8_t>& s, __m256 x, __m256 y) {
   const __m256i x0 = _mm256_cvttps_epi32(x);
   const __m256i y0 = _mm256_cvttps_epi32(y);
-  const BilinearWeights w =
-      bilinear_weights(_mm256_sub_ps(x, _mm256_cvtepi32_ps(x0)), _mm256_sub_ps(y, _mm256_cvtepi32_ps(y0)));
   alignas(32) std::uint32_t at[8];
   store_offsets(at, x0, y0, s.stride);
-  return blend8(load_pairs(s.data, at), load_pairs(s.data + s.stride, at), w);
+  return {load_pairs(s.data, at), load_pairs(s.data + s.stride, at),
+          bilinear_weights(_mm256_sub_ps(x, _mm256_cvtepi32_ps(x0)), _mm256_sub_ps(y, _mm256_cvtepi32_ps(y0)))};
 }
 
-/// Eight pixels at the edge: neighbours are clamped to the picture, what is not covered becomes the border.
-HOLDFAST_AVX2_INLINE __m256i bilinear8_edge(const WarpSource<std::uint8_t>& s, __m256 x, __m256 y, __m256 covered,
-                                            __m256i border) {
-  // Lanes that are not covered look at pixel (0, 0).
+/// Neighbours are clamped to the picture; pixels that are not covered look at (0, 0).
+HOLDFAST_AVX2_INLINE Neighbours8 neighbours_at_edge(const WarpSource<std::uint8_t>& s, __m256 x, __m256 y,
+                                                    __m256 covered) {
   const __m256 cx = _mm256_and_ps(x, covered);
   const __m256 cy = _mm256_and_ps(y, covered);
   const __m256 floor_x = _mm256_floor_ps(cx);
@@ -110,27 +114,34 @@ HOLDFAST_AVX2_INLINE __m256i bilinear8_edge(const WarpSource<std::uint8_t>& s, _
   const __m256i right = _mm256_slli_epi32(x1, 2);
   const __m256i lower = _mm256_mullo_epi32(_mm256_max_epi32(y0, zero), stride);
   const __m256i upper = _mm256_mullo_epi32(y1, stride);
-  const PixelPairs below = gather_pairs(s.data, _mm256_add_epi32(lower, left), _mm256_add_epi32(lower, right));
-  const PixelPairs above = gather_pairs(s.data, _mm256_add_epi32(upper, left), _mm256_add_epi32(upper, right));
-  const __m256i colour = blend8(below, above, bilinear_weights(_mm256_sub_ps(cx, floor_x), _mm256_sub_ps(cy, floor_y)));
-  return _mm256_blendv_epi8(border, colour, _mm256_castps_si256(covered));
+  return {gather_pairs(s.data, _mm256_add_epi32(lower, left), _mm256_add_epi32(lower, right)),
+          gather_pairs(s.data, _mm256_add_epi32(upper, left), _mm256_add_epi32(upper, right)),
+          bilinear_weights(_mm256_sub_ps(cx, floor_x), _mm256_sub_ps(cy, floor_y))};
+}
+
+HOLDFAST_AVX2_INLINE __m256i border8(const WarpSource<std::uint8_t>& s) {
+  std::int32_t bits = 0;
+  std::memcpy(&bits, s.border.data(), 4);
+  return _mm256_set1_epi32(bits);
 }
 
 HOLDFAST_AVX2 inline void sample_run_bilinear_avx2(const WarpSource<std::uint8_t>& s, const WarpRun& run,
                                                    const WarpRow<std::uint8_t>& row) {
   const SourceSize size(s.width, s.height);
-  std::int32_t border_bits = 0;
-  std::memcpy(&border_bits, s.border.data(), 4);
-  const __m256i border = _mm256_set1_epi32(border_bits);
+  const __m256i border = border8(s);
   for (int i = 0; i < row.count; i += 8) {
     const __m256 x = _mm256_load_ps(run.x + i);
     const __m256 y = _mm256_load_ps(run.y + i);
     __m256i colour = border;
     if (all_inside(x, y, 0.0F, size)) {
-      colour = bilinear8_inside(s, x, y);
+      const Neighbours8 n = neighbours_inside(s, x, y);
+      colour = blend8(n.lower, n.upper, n.weights);
     } else {
       const __m256 covered = covered_mask(x, y, size);
-      if (_mm256_movemask_ps(covered) != 0) colour = bilinear8_edge(s, x, y, covered, border);
+      if (_mm256_movemask_ps(covered) != 0) {
+        const Neighbours8 n = neighbours_at_edge(s, x, y, covered);
+        colour = _mm256_blendv_epi8(border, blend8(n.lower, n.upper, n.weights), _mm256_castps_si256(covered));
+      }
     }
     store_pixels8(row, i, colour);
   }

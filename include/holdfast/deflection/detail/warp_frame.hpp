@@ -58,6 +58,7 @@ struct WarpFrame {
   PictureSpan<Channel> target;
   PositionKernels positions;
   SampleKernel<Channel> sample = nullptr;
+  SampleColorsKernel<Channel> sample_colors = nullptr;
   void (*finish)() = nullptr;
   bool stream = false;
 
@@ -83,23 +84,22 @@ struct WarpFrame {
     }
   }
 
-  /// Every colour from its own place; covered is what is covered in all of them.
+  /// Every colour from its own place.
   void draw_colors(int x, int y, const WarpRow<Channel>& row) const {
-    WarpRun run[3];
+    ColorRuns runs;
     for (int c = 0; c < 3; ++c) {
-      locate(*lattice, *lines, positions, static_cast<Color>(c), {x, y, row.count}, run[c]);
+      locate(*lattice, *lines, positions, static_cast<Color>(c), {x, y, row.count}, runs.of[c]);
     }
-    for (int i = 0; i < row.count; ++i) {
-      const bool covered = is_covered(source, run[0].x[i], run[0].y[i]) &&
-                           is_covered(source, run[1].x[i], run[1].y[i]) && is_covered(source, run[2].x[i], run[2].y[i]);
-      if (covered) continue;
-      for (WarpRun& r : run) r.x[i] = std::numeric_limits<float>::quiet_NaN();
+    if (sample_colors != nullptr) {
+      sample_colors(source, runs, row);
+      return;
     }
+    cover_together(source, runs, row.count);
     alignas(32) Channel red[4 * run_pixels];
     alignas(32) Channel blue[4 * run_pixels];
-    sample(source, run[0], {red, row.count, false});
-    sample(source, run[1], {row.pixels, row.count, false});
-    sample(source, run[2], {blue, row.count, false});
+    sample(source, runs.of[0], {red, row.count, false});
+    sample(source, runs.of[1], {row.pixels, row.count, false});
+    sample(source, runs.of[2], {blue, row.count, false});
     for (int i = 0; i < 4 * row.count; i += 4) {
       row.pixels[i] = red[i];
       row.pixels[i + 2] = blue[i + 2];

@@ -7,6 +7,7 @@
 #include <holdfast/deflection/detail/avx2.hpp>
 #include <holdfast/deflection/detail/warp_bicubic_avx2.hpp>
 #include <holdfast/deflection/detail/warp_bilinear_avx2.hpp>
+#include <holdfast/deflection/detail/warp_colors_avx2.hpp>
 #include <holdfast/deflection/detail/warp_float_avx2.hpp>
 #include <holdfast/deflection/detail/warp_positions.hpp>
 #include <holdfast/deflection/detail/warp_positions_avx2.hpp>
@@ -23,6 +24,10 @@ struct PositionKernels {
 
 template <typename Channel>
 using SampleKernel = void (*)(const WarpSource<Channel>&, const WarpRun&, const WarpRow<Channel>&);
+
+/// Three colours at once; null where there is none: then colours are sampled one after another.
+template <typename Channel>
+using SampleColorsKernel = void (*)(const WarpSource<Channel>&, const ColorRuns&, const WarpRow<Channel>&);
 
 inline void finish_stores() {}
 
@@ -46,6 +51,14 @@ template <typename Channel>
   }
 }
 
+template <typename Channel>
+[[nodiscard]] SampleColorsKernel<Channel> sample_colors_kernel(WarpFilter filter, bool vectors) {
+  if constexpr (std::is_same_v<Channel, std::uint8_t>) {
+    if (vectors && filter == WarpFilter::bilinear) return &sample_colors_bilinear_avx2;
+  }
+  return nullptr;
+}
+
 /// What makes a thread's stores visible to others.
 [[nodiscard]] inline auto finish_kernel(bool vectors) -> void (*)() {
   return vectors ? &finish_stores_avx2 : &finish_stores;
@@ -60,6 +73,10 @@ template <typename Channel>
 [[nodiscard]] SampleKernel<Channel> sample_kernel(WarpFilter filter, bool) {
   return filter == WarpFilter::bilinear ? &sample_run<Channel, WarpFilter::bilinear>
                                         : &sample_run<Channel, WarpFilter::bicubic>;
+}
+template <typename Channel>
+[[nodiscard]] SampleColorsKernel<Channel> sample_colors_kernel(WarpFilter, bool) {
+  return nullptr;
 }
 [[nodiscard]] inline auto finish_kernel(bool) -> void (*)() {
   return &finish_stores;

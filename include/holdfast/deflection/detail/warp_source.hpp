@@ -3,14 +3,15 @@
 /// Positions are counted in texels: (0, 0) is the CENTRE of the source pixel at the lower left, so a position is the
 /// source pixel minus one half. A position outside the picture's rectangle, or NaN, is not covered and gets the
 /// border's colour; the half pixel inside the rectangle's edge repeats the edge, as GL_CLAMP_TO_EDGE does. The
-/// functions here are the portable ones; warp_sample_avx2.hpp holds the same eight pixels at a time.
+/// functions here are the portable ones; warp_bilinear_avx2.hpp, warp_bicubic_avx2.hpp and warp_float_avx2.hpp hold the
+/// same in vectors.
 #pragma once
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <type_traits>
 
 namespace holdfast {
@@ -65,6 +66,12 @@ Channel as_channel(float value) {
   }
 }
 
+/// The largest whole number at or below a value in int's range; std::floor may be a slow function call.
+inline int floor_of(float value) {
+  const int towards_zero = static_cast<int>(value);
+  return towards_zero - (value < static_cast<float>(towards_zero) ? 1 : 0);
+}
+
 template <typename Channel>
 [[nodiscard]] bool is_covered(const WarpSource<Channel>& s, float x, float y) {
   return x >= -0.5F && y >= -0.5F && x <= static_cast<float>(s.width) - 0.5F &&
@@ -74,12 +81,10 @@ template <typename Channel>
 /// Precondition: is_covered.
 template <typename Channel>
 void sample_bilinear(const WarpSource<Channel>& s, float x, float y, Channel* out) {
-  const float floor_x = std::floor(x);
-  const float floor_y = std::floor(y);
-  const float fx = x - floor_x;
-  const float fy = y - floor_y;
-  const int x0 = static_cast<int>(floor_x);
-  const int y0 = static_cast<int>(floor_y);
+  const int x0 = floor_of(x);
+  const int y0 = floor_of(y);
+  const float fx = x - static_cast<float>(x0);
+  const float fy = y - static_cast<float>(y0);
   const std::ptrdiff_t left = 4 * std::max(x0, 0);
   const std::ptrdiff_t right = 4 * std::min(x0 + 1, s.width - 1);
   const Channel* bottom = s.data + s.stride * std::max(y0, 0);
@@ -95,15 +100,15 @@ void sample_bilinear(const WarpSource<Channel>& s, float x, float y, Channel* ou
 /// Precondition: is_covered.
 template <typename Channel>
 void sample_bicubic(const WarpSource<Channel>& s, float x, float y, Channel* out) {
-  const float floor_x = std::floor(x);
-  const float floor_y = std::floor(y);
-  const std::array<float, 4> wx = catmull_rom(x - floor_x);
-  const std::array<float, 4> wy = catmull_rom(y - floor_y);
+  const int x0 = floor_of(x);
+  const int y0 = floor_of(y);
+  const std::array<float, 4> wx = catmull_rom(x - static_cast<float>(x0));
+  const std::array<float, 4> wy = catmull_rom(y - static_cast<float>(y0));
   std::array<float, 4> sum{};
   for (int j = 0; j < 4; ++j) {
-    const Channel* row = s.data + s.stride * std::clamp(static_cast<int>(floor_y) + j - 1, 0, s.height - 1);
+    const Channel* row = s.data + s.stride * std::clamp(y0 + j - 1, 0, s.height - 1);
     for (int i = 0; i < 4; ++i) {
-      const Channel* pixel = row + 4 * std::clamp(static_cast<int>(floor_x) + i - 1, 0, s.width - 1);
+      const Channel* pixel = row + 4 * std::clamp(x0 + i - 1, 0, s.width - 1);
       const float weight = wx[static_cast<std::size_t>(i)] * wy[static_cast<std::size_t>(j)];
       for (std::size_t c = 0; c < 4; ++c) sum[c] += weight * static_cast<float>(pixel[c]);
     }
@@ -123,10 +128,28 @@ void sample(const WarpSource<Channel>& s, float x, float y, Channel* out) {
   }
 }
 
+/// The first `count` positions of a run, into a row of the target.
 template <typename Channel, WarpFilter Filter>
 void sample_run(const WarpSource<Channel>& s, const WarpRun& run, const WarpRow<Channel>& row) {
   for (int i = 0; i < row.count; ++i) {
     sample<Channel, Filter>(s, run.x[i], run.y[i], row.pixels + 4 * static_cast<std::ptrdiff_t>(i));
+  }
+}
+
+/// Positions of red, green and blue.
+struct ColorRuns {
+  WarpRun of[3];
+};
+
+/// What is not covered in every colour becomes a NaN in all.
+template <typename Channel>
+void cover_together(const WarpSource<Channel>& s, ColorRuns& runs, int count) {
+  auto& [red, green, blue] = runs.of;
+  for (int i = 0; i < count; ++i) {
+    const bool covered = is_covered(s, red.x[i], red.y[i]) && is_covered(s, green.x[i], green.y[i]) &&
+                         is_covered(s, blue.x[i], blue.y[i]);
+    if (covered) continue;
+    red.x[i] = green.x[i] = blue.x[i] = std::numeric_limits<float>::quiet_NaN();
   }
 }
 

@@ -13,6 +13,7 @@
 #include <holdfast/optics/lens_model.hpp>
 #include <holdfast/optics/lens_problem.hpp>
 #include <holdfast/optics/lens_relief.hpp>
+#include <holdfast/optics/mesh_overfill.hpp>
 #include <holdfast/optics/overfill.hpp>
 #include <holdfast/optics/planar_model.hpp>
 #include <holdfast/optics/point_mesh.hpp>

@@ -18,6 +18,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <vector>
@@ -221,6 +222,24 @@ class Overfill {
 
 [[nodiscard]] inline PixelSize overfilled_size(const EyeModel& eye, const FieldTangents& wider) {
   return overfilled_size(eye.resolution, eye.tangents, wider);
+}
+
+/// A field that is to be drawn, and its pixels.
+struct DeflectedField {
+  FieldTangents tangents;
+  PixelSize size;
+};
+
+/// `wider`, moved outward to whole pixels of the eye's own picture: each of its pixels is then exactly one of the wider
+/// picture. Precondition: `wider` holds the eye's tangents, edges in the same order.
+[[nodiscard]] inline DeflectedField whole_pixels(const EyeModel& eye, const FieldTangents& wider) {
+  const FieldTangents& t = eye.tangents;
+  const double dx = (t.right - t.left) / eye.resolution.width, dy = (t.up - t.down) / eye.resolution.height;
+  const auto count = [](double more, double pixel) { return static_cast<int>(std::ceil(more / pixel - 1e-9)); };
+  const int left = count(t.left - wider.left, dx), right = count(wider.right - t.right, dx);
+  const int down = count(t.down - wider.down, dy), up = count(wider.up - t.up, dy);
+  return {{t.left - left * dx, t.right + right * dx, t.down - down * dy, t.up + up * dy},
+          {eye.resolution.width + left + right, eye.resolution.height + down + up}};
 }
 
 }  // namespace holdfast

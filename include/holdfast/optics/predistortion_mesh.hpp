@@ -80,8 +80,9 @@ struct PredistortionMesh {
 
 struct AdaptiveMeshOptions {
   double max_error_px = 0.05;
-  double border_error_px = 0.1;        ///< how far the drawn border may be from the true one, panel px
-  std::optional<FieldTangents> field;  ///< what the source picture holds; nothing: all that the panel shows
+  double border_error_px = 0.1;  ///< how far the drawn border may be from the true one, panel px
+  std::optional<FieldTangents> field =
+      std::nullopt;  ///< what the source picture holds; nothing: all that the panel shows
   std::size_t max_vertices = 2'000'000;
 };
 

@@ -282,6 +282,28 @@ TEST_CASE("files of another kind are called by their own name") {
   check_error("{\"display\": {\"hmd\": {}}}", 1, "", "OSVR descriptor", "");
 }
 
+TEST_CASE("read_hmd calls a file by what it is") {
+  const auto problem = [](const std::string& text) {
+    try {
+      static_cast<void>(io::parse_any_hmd(text, "any", nullptr));
+    } catch (const io::InputError& error) {
+      CHECK(error.file() == "any");
+      return error.problem();
+    }
+    return std::string("read");
+  };
+  CHECK(problem(good) == "read");
+  CHECK(problem("// a comment first\n" + good) == "read");
+  CHECK(problem("\xef\xbb\xbf" + good) == "read");
+  CHECK(problem("") == "this is no headset descriptor");
+  CHECK(problem("t,x,y,z\n1,2,3,4\n") == "this is no headset descriptor");
+  CHECK(problem("{\"a\": 1}") == "this is not a headset descriptor");
+  CHECK(problem("{\"schema\": \"holdfast/run/1\"}") == "this is a file of another kind");
+  CHECK(problem("{\"hmd\": {}}") == "the key is missing");  // OSVR's field_of_view
+  CHECK(problem("{\"hmd\": {}").find("not valid JSON") != std::string::npos);
+  CHECK(problem(std::string("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16)).find("neither text nor the buffer") == 0);
+}
+
 TEST_CASE("files: missing, folders, and whole or not at all") {
   const auto folder = std::filesystem::temp_directory_path() / "holdfast_hmd_test";
   std::filesystem::create_directories(folder);

@@ -25,6 +25,34 @@
 
 namespace holdfast::io {
 
+namespace detail {
+
+enum class HmdForm { json, address, binary, other };
+
+/// By the first character that is no blank. A buffer of numbers always holds zero bytes, text never does.
+[[nodiscard]] inline HmdForm form_of(std::string_view text) {
+  const std::size_t begin = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
+  const std::string_view rest = begin == std::string_view::npos ? std::string_view() : text.substr(begin);
+  if (rest.starts_with("{") || rest.starts_with("[") || rest.starts_with("/")) return HmdForm::json;
+  if (rest.starts_with("http")) return HmdForm::address;
+  return text.find('\0') != std::string_view::npos ? HmdForm::binary : HmdForm::other;
+}
+
+/// Of a file that is no text.
+[[nodiscard]] inline CardboardViewer viewer_of_binary(std::string_view bytes, const std::string& file) {
+  try {
+    return parse_cardboard_buffer(bytes, file);
+  } catch (const InputError& error) {
+    throw InputError({.file = file,
+                      .key = error.key(),
+                      .problem = "neither text nor the buffer of a Cardboard viewer: " + error.problem(),
+                      .value = error.value(),
+                      .expected = error.expected()});
+  }
+}
+
+}  // namespace detail
+
 /// What formats other than ours do not say.
 struct HmdOptions {
   OsvrAssumptions osvr;
@@ -34,19 +62,24 @@ struct HmdOptions {
 /// Reads a descriptor of any format; `file` is for messages, `beside` answers files that an OSVR descriptor names.
 [[nodiscard]] inline HmdModel parse_any_hmd(std::string_view text, std::string file, const BesideReader& beside,
                                             const HmdOptions& options = {}) {
-  const std::size_t begin = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
-  const bool is_json =
-      begin != std::string_view::npos && (text[begin] == '{' || text[begin] == '[' || text[begin] == '/');
   const auto with_phone = [&](const CardboardViewer& viewer) {
     if (options.phone) return checked_cardboard_hmd(viewer, *options.phone, file);
     throw InputError({.file = file,
                       .problem = "this is a Cardboard viewer, which is a headset only with a phone",
                       .expected = "the size and resolution of the phone's screen beside it"});
   };
-  if (text.substr(begin == std::string_view::npos ? 0 : begin).starts_with("http")) {
-    return with_phone(parse_cardboard(text, file));
+  switch (detail::form_of(text)) {
+    case detail::HmdForm::json:
+      break;
+    case detail::HmdForm::address:
+      return with_phone(parse_cardboard(text, file));
+    case detail::HmdForm::binary:
+      return with_phone(detail::viewer_of_binary(text, file));
+    case detail::HmdForm::other:
+      throw InputError({.file = file,
+                        .problem = "this is no headset descriptor",
+                        .expected = "JSON (ours, OSVR's, or a Cardboard viewer's) or a viewer's address or buffer"});
   }
-  if (!is_json && text.find('\0') != std::string_view::npos) return with_phone(parse_cardboard_buffer(text, file));
   const JsonDocument document = JsonDocument::parse(text, file);
   const JsonNode root = document.root();
   switch (detail::format_of(root)) {

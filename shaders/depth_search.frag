@@ -6,7 +6,8 @@
 // Where it passes behind an edge instead, it is hidden from the rendering eye; if it ends so, the pixel is disoccluded, and shows the
 // farthest surface beside such an edge.
 //   picture           linear filter, clamped to its edge
-//   facets, greatest  of depth_facets.frag and depth_extremes.frag (its last texel)
+//   facets            of depth_facets.frag
+//   greatest, blocks  of depth_extremes.frag: its last texel, and the texels of its first step
 //   tangent_of_tangent  H(s) = [0] + s [1] + s^2 [2], as in late_warp.vert, but for the turn alone and to tangents of the rendering eye:
 //                     (t_inf, 1) ~ H(s) (t_E, 1)
 //   position          o(s) = [0] + s [1]: of the displayed eye, in the rendering eye's frame, m
@@ -19,12 +20,28 @@ noperspective in vec4 red, green, blue;
 layout(binding = 0) uniform sampler2D picture;
 layout(binding = 1) uniform sampler2D facets;
 layout(binding = 2) uniform sampler2D greatest;
+layout(binding = 3) uniform sampler2D blocks;
 uniform mat3 tangent_of_tangent[3];
 uniform vec3 position[2];
 uniform vec4 depth_of_tangent;
 uniform vec3 line_of_place;
 uniform bool per_colour;
 out vec4 result;
+
+float sum_of(vec2 extremes) { return extremes.x + extremes.y; }
+
+// No surface on the line between two pixels reaches a greater w.
+float greatest_between(vec2 a, vec2 b, float greatest_w) {
+  ivec2 last = textureSize(blocks, 0) - 1;
+  ivec2 low = clamp(ivec2(floor((min(a, b) - 0.01) / 16.0)), ivec2(0), last);
+  ivec2 high = clamp(ivec2(floor((max(a, b) + 0.01) / 16.0)), ivec2(0), last);
+  if ((high.x - low.x) + (high.y - low.y) > 6) return greatest_w;
+  float w = 0.0;
+  for (int y = low.y; y <= high.y; ++y) {
+    for (int x = low.x; x <= high.x; ++x) w = max(w, sum_of(texelFetch(blocks, ivec2(x, y), 0).xy));
+  }
+  return w;
+}
 
 // Place in the picture (0 to 1), and its state: 1, 1/2 or 0 as alpha.
 vec3 search(vec2 t_E, float s) {
@@ -35,8 +52,7 @@ vec3 search(vec2 t_E, float s) {
   vec2 size = vec2(textureSize(facets, 0));
   vec2 at_infinity = (t_infinite - depth_of_tangent.xy) * depth_of_tangent.zw;
   vec2 per_w = (o.xy + o.z * t_infinite) * depth_of_tangent.zw;
-  vec2 bound = texelFetch(greatest, ivec2(0), 0).xy;
-  float nearest_w = bound.x + bound.y;
+  float nearest_w = sum_of(texelFetch(greatest, ivec2(0), 0).xy);
   if (o.z < 0.0) nearest_w = min(nearest_w, -1.0 / o.z);  // only what is ahead of the displayed eye
 
   float first_w = nearest_w, last_w = 0.0;  // the part of the line inside the picture
@@ -50,6 +66,10 @@ vec3 search(vec2 t_E, float s) {
     }
   }
   if (!(first_w >= last_w)) return vec3(0.0);
+  bool came_from_outside = first_w < nearest_w;
+  // Nothing to be met before what is nearest there.
+  float bound = greatest_between(at_infinity + first_w * per_w, at_infinity + last_w * per_w, nearest_w);
+  first_w = max(min(first_w, bound), last_w);
 
   float w = first_w;
   vec2 start = at_infinity + w * per_w;
@@ -95,7 +115,7 @@ vec3 search(vec2 t_E, float s) {
   }
   bool leaves_picture = last_w > 0.0;
   if (is_before) return leaves_picture ? vec3(0.0) : vec3(at_infinity / size, 1.0);
-  if (leaves_picture || (first_w < nearest_w && !has_guess)) return vec3(0.0);
+  if (leaves_picture || (came_from_outside && !has_guess)) return vec3(0.0);
   return vec3(has_guess ? guess.xy / size : at_infinity / size, 0.5);
 }
 

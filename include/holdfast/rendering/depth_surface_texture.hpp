@@ -7,7 +7,9 @@
 /// Bad input: a picture of another size, or a DepthImage that is none, throws RenderingError.
 #pragma once
 
+#include <initializer_list>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <holdfast/deflection/depth_image.hpp>
@@ -75,9 +77,9 @@ class DepthSurfaceTexture {
         uploaded_(context, GL_R32F, size.width, size.height) {
     levels_.push_back({detail::DataTarget(context, GL_RG32F, size.width, size.height), {}});
     framebuffer_ = detail::framebuffer_of(context, {&facets_, &levels_[0].values});
-    while (levels_.back().values.width > 1 || levels_.back().values.height > 1) {
+    while (levels_.size() < 2 || levels_.back().values.width > 1 || levels_.back().values.height > 1) {
       const detail::DataTarget& last = levels_.back().values;
-      detail::DataTarget next(context, GL_RG32F, (last.width + 31) / 32, (last.height + 31) / 32);
+      detail::DataTarget next(context, GL_RG32F, (last.width + 15) / 16, (last.height + 15) / 16);
       GlObject framebuffer = detail::framebuffer_of(context, {&next});
       levels_.push_back({std::move(next), std::move(framebuffer)});
     }
@@ -123,6 +125,8 @@ class DepthSurfaceTexture {
     return {t.left, t.down, facets_.width / (t.right - t.left), facets_.height / (t.up - t.down)};
   }
   [[nodiscard]] GLuint facets_texture() const { return facets_.texture.id(); }
+  /// Greatest inverse distance and step, of each block of 16 x 16 pixels and of all.
+  [[nodiscard]] GLuint blocks_texture() const { return levels_[1].values.texture.id(); }
   [[nodiscard]] GLuint greatest_texture() const { return levels_.back().values.texture.id(); }
 
  private:

@@ -83,6 +83,7 @@ class DepthWarpPass {
     gl.BindTextureUnit(0, picture.colour_texture());
     gl.BindTextureUnit(1, surface.facets_texture());
     gl.BindTextureUnit(2, surface.greatest_texture());
+    gl.BindTextureUnit(3, surface.blocks_texture());
     mesh.draw();
   }
 

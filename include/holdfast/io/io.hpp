@@ -1,10 +1,11 @@
-/// Everything of the io component: recordings, headset descriptors, results in JSON, pictures in PNG.
+/// Everything of the io component: recordings, headset descriptors, meshes, results in JSON, pictures in PNG.
 #pragma once
 
 #include <holdfast/io/cardboard.hpp>
 #include <holdfast/io/hmd.hpp>
 #include <holdfast/io/image.hpp>
 #include <holdfast/io/input_error.hpp>
+#include <holdfast/io/mesh_writer.hpp>
 #include <holdfast/io/osvr.hpp>
 #include <holdfast/io/png.hpp>
 #include <holdfast/io/results.hpp>

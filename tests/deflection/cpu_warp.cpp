@@ -242,7 +242,7 @@ TEST_CASE("every filter, channel type and code path agrees with the slow referen
 TEST_CASE("vector and portable code agree within 1/255") {
   test::Random random(704);
   if (!CpuWarp({1, WarpFilter::bilinear, true}).vectors()) MESSAGE("this processor has no AVX2 and FMA");
-  for (int i = 0; i < 40; ++i) {
+  for (int i = 0; i < 24; ++i) {
     EyeModel eye = random.eye();
     eye.resolution = {100 + random.index(500), 50 + random.index(200)};
     const RenderedView view = random.view(eye);
@@ -348,7 +348,7 @@ TEST_CASE("a disc's centroid comes out where the composed warp says") {
   double worst[2] = {0.0, 0.0};
   double worst_filtered = 0.0;
   int discs = 0;
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < 40; ++i) {
     EyeModel eye = random.eye();
     eye.resolution = {400, 300};
     const RenderedView view = view_with_margins(eye, 30, 30, 30, 30);
@@ -365,7 +365,7 @@ TEST_CASE("a disc's centroid comes out where the composed warp says") {
     source.fill([&](double x, double y, int c) { return c == 1 ? std::round(255.0 * disc(Vector2(x, y))) : 0.0; });
     CpuWarp warp({1, filters[i % 2]});
     const auto target = drawn(warp, WarpLattice(eye, LensMode::exact), composed, source);
-    const Vector2 expected = centroid(*shown, 4, [&](const Vector2& p) { return disc(*composed.source_pixel(p)); });
+    const Vector2 expected = centroid(*shown, 2, [&](const Vector2& p) { return disc(*composed.source_pixel(p)); });
     const Vector2 found = centroid(
         *shown, 1, [&](const Vector2& p) { return target.at(static_cast<int>(p.x()), static_cast<int>(p.y()), 1); });
     const Vector2 filtered = centroid(*shown, 1, [&](const Vector2& p) {
@@ -377,7 +377,7 @@ TEST_CASE("a disc's centroid comes out where the composed warp says") {
   }
   MESSAGE("worst centroid of ", discs, " discs, px: bilinear ", worst[0], ", bicubic ", worst[1],
           "; against the same filter in double precision ", worst_filtered);
-  CHECK(discs > 30);
+  CHECK(discs > 20);
   CHECK(worst_filtered < 0.004);  // positions are exact to 0.002 px, and values are rounded
   // Against the disc itself: bilinear filtering is softer between the pixels than on them, and so moves its edge.
   CHECK(worst[0] < 0.03);

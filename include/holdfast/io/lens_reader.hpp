@@ -199,12 +199,20 @@ inline LensPlacement read_placement(const JsonNode& node) {
   return place;
 }
 
+/// Models whose distortion depends on the radius alone.
+[[nodiscard]] inline bool is_rotational(const Lens::Model& model) {
+  return !std::holds_alternative<BivariateLens>(model) && !std::holds_alternative<BrownConradyLens>(model) &&
+         !std::holds_alternative<ReversedLens<BrownConradyLens>>(model) &&
+         !std::holds_alternative<PointMeshLens>(model);
+}
+
+/// Without k_pd: the best cubic of a rotational lens, none for the others.
 inline Lens read_lens(const JsonNode& node) {
   const Lens::Model model = read_lens_model(node);
   if (std::holds_alternative<NoLens>(model)) return NoLens{};
   const Lens lens(model, read_placement(node));
   if (const auto k_pd = node.find("k_pd")) return lens.with_k_pd(k_pd->number(-1000.0, 1000.0));
-  return with_best_cubic(lens);
+  return is_rotational(model) ? with_best_cubic(lens) : lens;
 }
 
 }  // namespace holdfast::io::detail

@@ -8,14 +8,13 @@
 //   picture           linear filter, clamped to its edge
 //   facets            of depth_facets.frag
 //   greatest, blocks  of depth_extremes.frag: its last texel, and the texels of its first step
-//   tangent_of_tangent  H(s) = [0] + s [1] + s^2 [2], as in late_warp.vert, but for the turn alone and to tangents of the rendering eye:
-//                     (t_inf, 1) ~ H(s) (t_E, 1)
+//   tangent_of_tangent  H(s) = [0] + s [1] + s^2 [2], as in late_warp.vert, but of the turn alone, and to tangents of the rendering
+//                     eye: (t_inf, 1) ~ H(s) (t_E, 1)
 //   position          o(s) = [0] + s [1]: of the displayed eye, in the rendering eye's frame, m
 //   depth_of_tangent  pixel of the depth buffer = (t_S - xy) * zw
 //   line_of_place     as in late_warp.vert, of the panel
-//   per_colour        false: green's search serves all three
-// Alpha: 1 covered, 1/2 disoccluded, 0 (and black) not in the rendered picture, or beyond the panel's edge; of the three
-// colours the worst.
+// Define PER_COLOUR for a lens that bends colours differently: else green's search serves all three.
+// Alpha: 1 covered, 1/2 disoccluded, 0 (and black) not in the rendered picture, or beyond the panel's edge; of three colours the worst.
 noperspective in vec4 red, green, blue;
 layout(binding = 0) uniform sampler2D picture;
 layout(binding = 1) uniform sampler2D facets;
@@ -25,7 +24,6 @@ uniform mat3 tangent_of_tangent[3];
 uniform vec3 position[2];
 uniform vec4 depth_of_tangent;
 uniform vec3 line_of_place;
-uniform bool per_colour;
 out vec4 result;
 
 float sum_of(vec2 extremes) { return extremes.x + extremes.y; }
@@ -128,9 +126,9 @@ vec4 look_up(vec4 tangent_and_panel) {
 
 void main() {
   result = look_up(green);
-  if (per_colour) {
-    vec4 r = look_up(red), b = look_up(blue);
-    float state = min(result.a, min(r.a, b.a));
-    result = state == 0.0 ? vec4(0.0) : vec4(r.r, result.g, b.b, state);
-  }
+#ifdef PER_COLOUR
+  vec4 r = look_up(red), b = look_up(blue);
+  float state = min(result.a, min(r.a, b.a));
+  result = state == 0.0 ? vec4(0.0) : vec4(r.r, result.g, b.b, state);
+#endif
 }

@@ -26,6 +26,20 @@ TEST_CASE("a shader that does not compile is named with its line and the driver'
   }
 }
 
+TEST_CASE("a definition reaches both shaders, and lines keep their numbers") {
+  const auto context = make_context();
+  const ShaderSource guarded{"guarded.frag",
+                             "#version 450 core\nout vec4 result;\n#ifdef WANTED\nvoid main() { result = vec4(1); }\n"
+                             "#else\nvoid main() { result = nonsense; }\n#endif\n"};
+  CHECK_NOTHROW(Program(*context, shaders::full_screen_vert, guarded, "WANTED"));
+  try {
+    const Program program(*context, shaders::full_screen_vert, guarded, "OTHER");
+    FAIL("must not compile");
+  } catch (const ShaderError& error) {
+    CHECK(error.line() == 6);
+  }
+}
+
 TEST_CASE("shaders that do not fit together are both named") {
   const auto context = make_context();
   const ShaderSource fragment{

@@ -60,9 +60,10 @@ class DepthWarpPass {
  public:
   explicit DepthWarpPass(Context& context)
       : context_(&context),
-        program_(context, shaders::depth_search_vert, shaders::depth_search_frag),
-        uniforms_(program_),
-        per_colour_(program_.uniform("per_colour")) {}
+        one_colour_(context, shaders::depth_search_vert, shaders::depth_search_frag),
+        per_colour_(context, shaders::depth_search_vert, shaders::depth_search_frag, "PER_COLOUR"),
+        one_colour_uniforms_(one_colour_),
+        per_colour_uniforms_(per_colour_) {}
 
   /// Writes all of `result`, which has the mesh's resolution. X_SE: DeflectionResult's, for DeflectionKind::depth.
   void draw(const RenderedPicture<RenderTarget*>& source, const DepthSurfaceTexture& surface, const WarpMesh& mesh,
@@ -77,9 +78,9 @@ class DepthWarpPass {
     gl.Disable(GL_DEPTH_TEST);
     gl.Disable(GL_BLEND);
     gl.Disable(GL_CULL_FACE);
-    uniforms_.set(program_, surface, X_SE, timing);
-    program_.set(per_colour_, mesh.is_per_colour() ? 1 : 0);
-    program_.use();
+    const Program& program = mesh.is_per_colour() ? per_colour_ : one_colour_;
+    (mesh.is_per_colour() ? per_colour_uniforms_ : one_colour_uniforms_).set(program, surface, X_SE, timing);
+    program.use();
     gl.BindTextureUnit(0, picture.colour_texture());
     gl.BindTextureUnit(1, surface.facets_texture());
     gl.BindTextureUnit(2, surface.greatest_texture());
@@ -89,9 +90,8 @@ class DepthWarpPass {
 
  private:
   Context* context_;
-  Program program_;
-  detail::DepthUniforms uniforms_;
-  GLint per_colour_;
+  Program one_colour_, per_colour_;
+  detail::DepthUniforms one_colour_uniforms_, per_colour_uniforms_;
 };
 
 }  // namespace holdfast::rendering

@@ -50,11 +50,13 @@ class ShaderError : public RenderingError {
 
 class Program {
  public:
-  Program(Context& context, const ShaderSource& vertex, const ShaderSource& fragment) : context_(&context) {
+  /// define: a name that both shaders see as defined (`#ifdef NAME`); empty: none.
+  Program(Context& context, const ShaderSource& vertex, const ShaderSource& fragment, std::string_view define = {})
+      : context_(&context) {
     context.make_current();
     const GlFunctions& gl = context.gl();
-    const GlObject vertex_shader = compile(GL_VERTEX_SHADER, vertex);
-    const GlObject fragment_shader = compile(GL_FRAGMENT_SHADER, fragment);
+    const GlObject vertex_shader = compile(GL_VERTEX_SHADER, vertex, define);
+    const GlObject fragment_shader = compile(GL_FRAGMENT_SHADER, fragment, define);
     program_ = GlObject(context, gl.CreateProgram(), [](const GlFunctions& f, GLuint name) { f.DeleteProgram(name); });
     gl.AttachShader(id(), vertex_shader.id());
     gl.AttachShader(id(), fragment_shader.id());
@@ -115,12 +117,18 @@ class Program {
   }
 
  private:
-  [[nodiscard]] GlObject compile(GLenum kind, const ShaderSource& source) const {
+  [[nodiscard]] GlObject compile(GLenum kind, const ShaderSource& source, std::string_view define) const {
     const GlFunctions& gl = context_->gl();
     GlObject shader(*context_, gl.CreateShader(kind), [](const GlFunctions& f, GLuint name) { f.DeleteShader(name); });
-    const char* text = source.text.data();
-    const auto length = static_cast<GLint>(source.text.size());
-    gl.ShaderSource(shader.id(), 1, &text, &length);
+    // The definition must follow the line that tells the version; lines keep their numbers.
+    const std::size_t first_line = define.empty() ? 0 : source.text.find('\n') + 1;
+    const std::string definition = define.empty() ? "" : "#define " + std::string(define) + "\n#line 2\n";
+    const std::array<std::string_view, 3> parts{source.text.substr(0, first_line), definition,
+                                                source.text.substr(first_line)};
+    const std::array texts{parts[0].data(), parts[1].data(), parts[2].data()};
+    const std::array lengths{static_cast<GLint>(parts[0].size()), static_cast<GLint>(parts[1].size()),
+                             static_cast<GLint>(parts[2].size())};
+    gl.ShaderSource(shader.id(), 3, texts.data(), lengths.data());
     gl.CompileShader(shader.id());
     GLint compiled = GL_FALSE;
     gl.GetShaderiv(shader.id(), GL_COMPILE_STATUS, &compiled);

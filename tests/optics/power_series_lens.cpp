@@ -59,6 +59,17 @@ TEST_CASE("coefficients that are no lens are named") {
   CHECK(problem(std::vector<double>(18, 0.1)) == LensProblem::too_many_coefficients);
 }
 
+TEST_CASE("far out, where the highest power rules and Newton's steps shrink slowly, the inverse is as exact") {
+  std::vector<double> c(17, 0.0);
+  c[0] = 1.0;
+  c[16] = 1000.0;
+  const PowerSeriesLens lens(c);
+  for (double v = 1e-3; v < 1e9; v *= 3.0) {
+    const double back = lens.distort(*lens.undistort(Vector2(v, 0.0)))->x();
+    CHECK(back == doctest::Approx(v).epsilon(1e-14));  // a rounding of r, times 17
+  }
+}
+
 TEST_CASE("the highest degree: sixteen powers at once") {
   std::vector<double> c(17, 0.0);
   double sign = 1.0;

@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 
 #include <holdfast/assert.hpp>
 #include <holdfast/geometry/types.hpp>
@@ -63,10 +64,24 @@ class BrownConradyMap {
         mixed, s + 2.0 * y * y * ds + 6.0 * c_.p1 * y + 2.0 * c_.p2 * x;
     return f;
   }
+  /// Where the radial part r A / B alone folds over, (A + 2 x A') B = 2 x A B' with x = r^2, or B comes near zero.
   [[nodiscard]] double limit() const {
     constexpr double widest_tangent = 10.0;
-    const std::array<double, 4> near_pole{1.0 - 1e-3, c_.k4, c_.k5, c_.k6};
-    return std::min(widest_tangent, std::sqrt(detail::first_sign_change(near_pole, 1e12)));
+    using Polynomial = std::array<double, 7>;
+    const Polynomial A{1.0, c_.k1, c_.k2, c_.k3};
+    const Polynomial B{1.0, c_.k4, c_.k5, c_.k6};
+    const Polynomial x{0.0, 2.0};
+    Polynomial near_pole = B;
+    near_pole[0] -= 1e-3;
+    Polynomial slope = detail::polynomial_product(A, B);
+    const Polynomial rising =
+        detail::polynomial_product(x, detail::polynomial_product(detail::polynomial_derivative(A), B));
+    const Polynomial falling =
+        detail::polynomial_product(x, detail::polynomial_product(A, detail::polynomial_derivative(B)));
+    for (std::size_t i = 0; i < slope.size(); ++i) slope[i] += rising[i] - falling[i];
+    constexpr double widest = widest_tangent * widest_tangent;
+    return std::sqrt(
+        std::min({widest, detail::first_sign_change(near_pole, widest), detail::first_sign_change(slope, widest)}));
   }
 
  private:

@@ -163,7 +163,7 @@ class PlanarModel {
   }
 
   [[nodiscard]] std::optional<Vector2> undistort(const Vector2& v) const {
-    if (!v.allFinite()) return std::nullopt;
+    if (!v.allFinite() || !(domain_.radius > 0.0)) return std::nullopt;
     const double rounding = 4e-16 * (v.norm() + f0_.norm());
     Vector2 u = inside(P_ * (v - f0_));
     PlanarValue f = map_.at(u);

@@ -51,6 +51,7 @@ template <RadialProfile P>
   double low = 0.0;
   double high = fold;
   double r = std::min(seen, fold);
+  double last_step = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 200; ++i) {
     const RadialValue f = profile.at(r);
     const double error = f.seen - seen;
@@ -60,8 +61,12 @@ template <RadialProfile P>
     // Newton's error is quadratic: after a step this small f misses `seen` by f'' step^2 / 2, far below rounding.
     if (std::abs(step) <= 1e-9 * r) return std::clamp(r - step, low, high);
     double next = r - step;
-    if (!(next > low && next < high)) next = std::isfinite(high) ? low + (high - low) / 2.0 : 2.0 * r;
+    // A step that leaves the bracket, or is not half the last one (high powers far out), is one of bisection instead.
+    if (!(next > low && next < high) || !(std::abs(step) < 0.5 * last_step)) {
+      next = std::isfinite(high) ? low + (high - low) / 2.0 : 2.0 * r;
+    }
     if (next == r) return r;
+    last_step = std::abs(next - r);
     r = next;
   }
   return r;

@@ -11,7 +11,7 @@
 /// it. A ray that reaches w = 0 before anything shows what is infinitely far. Steps: at most the pixels on the line,
 /// about |p_SE| * pixels per tangent / nearest distance. Nothing is allocated.
 /// Sources: Mark, McMillan & Bishop 1997 (post-rendering 3D warping); Amanatides & Woo 1987 (the walk).
-/// Bad input: a direction that is not ahead of the source eye has no source; precondition: the surface is not empty.
+/// Bad input: a direction that is not ahead of the source eye has no source, and an empty surface has none at all.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,6 @@
 #include <limits>
 #include <optional>
 
-#include <holdfast/assert.hpp>
 #include <holdfast/deflection/depth_surface.hpp>
 #include <holdfast/deflection/scan_pose.hpp>
 #include <holdfast/deflection/source_state.hpp>
@@ -36,9 +35,7 @@ struct DepthSource {
 class DepthSearch {
  public:
   /// The surface is not copied: it must live while the search is used.
-  DepthSearch(const DepthSurface& surface, const ScanPose& X_SE) : surface_(&surface), X_SE_(X_SE) {
-    HOLDFAST_ASSERT(!surface.is_empty(), "a depth search needs a depth image");
-  }
+  DepthSearch(const DepthSurface& surface, const ScanPose& X_SE) : surface_(&surface), X_SE_(X_SE) {}
   DepthSearch(DepthSurface&&, const ScanPose&) = delete;
 
   [[nodiscard]] const DepthSurface& surface() const { return *surface_; }
@@ -50,6 +47,7 @@ class DepthSearch {
   /// Where E sees, at line fraction s, what the source picture shows at t_S: the inverse of source() where nothing
   /// hides it. Nothing when it is not ahead of E.
   [[nodiscard]] std::optional<Vector2> displayed_tangent(const Vector2& t_S, double s) const {
+    if (surface_->is_empty()) return std::nullopt;
     const Vector3 p = seen_from_E(X_SE_.at(s), t_S, surface_->w_at(t_S));
     return tangents_of_point(p);
   }
@@ -205,6 +203,7 @@ class EpipolarWalk {
 }  // namespace deflection_detail
 
 inline std::optional<DepthSource> DepthSearch::source(const Vector2& t_E, double s) const {
+  if (surface_->is_empty()) return std::nullopt;
   const Rigid X_SE = X_SE_.at(s);
   const Vector3 d = X_SE.q() * direction_of_tangents(t_E);
   if (!(d.z() < 0.0)) return std::nullopt;

@@ -1,0 +1,78 @@
+// What a frame does to deflect allocates nothing: counted by replacing the global operator new of this test program.
+#include <cmath>
+#include <cstddef>
+#include <cstdlib>
+#include <new>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <holdfast/deflection/deflection.hpp>
+#include <holdfast/optics/hmd.hpp>
+
+#include "deflection/depth_scene.hpp"
+
+namespace {
+std::size_t allocations = 0;
+}
+
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* p = std::malloc(size)) return p;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* p) noexcept {
+  std::free(p);
+}
+[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept {
+  std::free(p);
+}
+
+using namespace holdfast;
+
+TEST_CASE("deflecting a frame by any kind allocates nothing once its memory is there") {
+  const PixelSize size{64, 48};
+  const EyeModel eye = default_hmd(size).left;
+  DisplayTiming timing;
+  timing.scan_out = ScanOut::rolling;
+  timing.scan_duration = from_milliseconds(11.1);
+  const RenderedPicture<DepthImage> depth({{}, eye.tangents, size, {}},
+                                          test::room().depth_image({{}, eye.tangents, size, {}}));
+  const RenderedView& view = depth.view();
+  const LatePoses late{Rigid::translation(Vector3(0.01, 0.0, 0.0)),
+                       Rigid(so3::exp<double>(Vector3(0.0, 0.02, 0.0)), Vector3(0.02, 0.0, 0.0))};
+  const PredistortionMesh lens_mesh = grid_mesh(eye, LensMode::exact, 8, 8);
+  std::vector<DeflectedVertex> vertices(lens_mesh.vertices.size());
+  std::vector<SourceState> mask(16 * 9);
+  std::vector<SourceSample> samples(64 * 48);
+  std::vector<float> nearness(samples.size());
+  DepthSurface surface;
+  DepthMesh mesh;
+  double sum = 0.0;
+  const auto frame = [&] {
+    for (const DeflectionKind kind : deflection_kinds) {
+      const DeflectionResult result = deflect({kind, 1.0}, depth, late);
+      sum += result.ok() ? result.H_SE.at(0.3).sum() : 0.0;
+      deflect_mesh(lens_mesh, source_matrices(view, result.H_SE), timing, vertices);
+      const ComposedWarp warp(eye, LensMode::exact, timing, view, result.H_SE);
+      sum += warp.source_pixel(Vector2(30, 20))->sum() + warp.seen_pixel(Vector2(30, 20))->sum();
+      sum += coverage(warp, {16, 9}, mask).missing_pct();
+    }
+    surface.update(depth);
+    const ScanPose X_SE = deflect({DeflectionKind::depth}, depth, late).X_SE;
+    const ComposedWarp warp(eye, LensMode::exact, timing, view, DepthSearch(surface, X_SE));
+    sum += coverage(warp, {16, 9}, mask).disocclusion_pct();
+    mesh.update(warp);
+    sum += rasterize(mesh, size, size, samples, nearness).missing_pct();
+  };
+  frame();
+  const std::size_t before = allocations;
+  frame();
+  const std::size_t after = allocations;
+  CHECK(after == before);
+  CHECK(std::isfinite(sum));
+  // The counter does count.
+  const std::vector<double> some(samples.size(), sum);
+  CHECK(allocations > after);
+  CHECK(some.size() == samples.size());
+}

@@ -67,12 +67,12 @@ class PointMeshCutter {
         cut_by([&](const Corner& c) { return 1.0 - c.at[axis]; }, polygon, cut_polygon);
       }
       for (std::size_t c = 0; field_ && c < lenses_.size(); ++c) {
-        const auto [left, right] = std::minmax({field_->left, field_->right});
-        const auto [down, up] = std::minmax({field_->down, field_->up});
-        cut_by([&](const Corner& p) { return p.ideal[c].x() - left; }, polygon, cut_polygon);
-        cut_by([&](const Corner& p) { return right - p.ideal[c].x(); }, polygon, cut_polygon);
-        cut_by([&](const Corner& p) { return p.ideal[c].y() - down; }, polygon, cut_polygon);
-        cut_by([&](const Corner& p) { return up - p.ideal[c].y(); }, polygon, cut_polygon);
+        const auto x = std::minmax({field_->left, field_->right});
+        const auto y = std::minmax({field_->down, field_->up});
+        cut_by([&](const Corner& p) { return p.ideal[c].x() - x.first; }, polygon, cut_polygon);
+        cut_by([&](const Corner& p) { return x.second - p.ideal[c].x(); }, polygon, cut_polygon);
+        cut_by([&](const Corner& p) { return p.ideal[c].y() - y.first; }, polygon, cut_polygon);
+        cut_by([&](const Corner& p) { return y.second - p.ideal[c].y(); }, polygon, cut_polygon);
       }
       if (polygon.size() >= 3) visit(polygon);
     }

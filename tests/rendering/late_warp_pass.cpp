@@ -79,6 +79,7 @@ TEST_CASE("the panel's picture is the one that the composed warp defines: lens, 
     bool upside_down;
   };
   const Case cases[] = {{LensMode::none, false, global_display, false},
+                        {LensMode::none, false, rolling(ScanDirection::top_to_bottom), false},
                         {LensMode::exact, false, rolling(ScanDirection::top_to_bottom), false},
                         {LensMode::exact, true, rolling(ScanDirection::bottom_to_top), false},
                         {LensMode::cubic, false, rolling(ScanDirection::left_to_right), true},

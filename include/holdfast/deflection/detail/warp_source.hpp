@@ -11,6 +11,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <type_traits>
 
@@ -78,23 +79,60 @@ template <typename Channel>
          y <= static_cast<float>(s.height) - 0.5F;
 }
 
-/// Precondition: is_covered.
+/// The 2x2 neighbours of a position, clamped to the picture, and how far it is from the lower left one.
 template <typename Channel>
-void sample_bilinear(const WarpSource<Channel>& s, float x, float y, Channel* out) {
-  const int x0 = floor_of(x);
-  const int y0 = floor_of(y);
-  const float fx = x - static_cast<float>(x0);
-  const float fy = y - static_cast<float>(y0);
-  const std::ptrdiff_t left = 4 * std::max(x0, 0);
-  const std::ptrdiff_t right = 4 * std::min(x0 + 1, s.width - 1);
-  const Channel* bottom = s.data + s.stride * std::max(y0, 0);
-  const Channel* top = s.data + s.stride * std::min(y0 + 1, s.height - 1);
-  for (int c = 0; c < 4; ++c) {
-    const auto at = [c](const Channel* row, std::ptrdiff_t i) { return static_cast<float>(row[i + c]); };
-    const float l = at(bottom, left) + fy * (at(top, left) - at(bottom, left));
-    const float r = at(bottom, right) + fy * (at(top, right) - at(bottom, right));
-    out[c] = as_channel<Channel>(l + fx * (r - l));
+struct Neighbours {
+  const Channel* pixel[4];  ///< lower left, lower right, upper left, upper right
+  float fx, fy;
+
+  /// Precondition: is_covered.
+  Neighbours(const WarpSource<Channel>& s, float x, float y) {
+    const int x0 = floor_of(x);
+    const int y0 = floor_of(y);
+    fx = x - static_cast<float>(x0);
+    fy = y - static_cast<float>(y0);
+    const std::ptrdiff_t left = 4 * static_cast<std::ptrdiff_t>(std::max(x0, 0));
+    const std::ptrdiff_t right = 4 * static_cast<std::ptrdiff_t>(std::min(x0 + 1, s.width - 1));
+    const Channel* lower = s.data + s.stride * std::max(y0, 0);
+    const Channel* upper = s.data + s.stride * std::min(y0 + 1, s.height - 1);
+    pixel[0] = lower + left;
+    pixel[1] = lower + right;
+    pixel[2] = upper + left;
+    pixel[3] = upper + right;
   }
+};
+
+inline void blend(const Neighbours<float>& n, float* out) {
+  for (int c = 0; c < 4; ++c) {
+    const float left = n.pixel[0][c] + n.fy * (n.pixel[2][c] - n.pixel[0][c]);
+    const float right = n.pixel[1][c] + n.fy * (n.pixel[3][c] - n.pixel[1][c]);
+    out[c] = left + n.fx * (right - left);
+  }
+}
+
+/// With integer weights that sum to 2^14 exactly, two channels in the halves of a 64-bit number.
+inline void blend(const Neighbours<std::uint8_t>& n, std::uint8_t* out) {
+  const auto right = static_cast<std::uint32_t>(n.fx * 16384.0F + 0.5F);
+  const auto up = static_cast<std::uint32_t>(n.fy * 32767.9F);
+  const std::uint32_t upper_left = ((16384U - right) * up + 16384U) >> 15;
+  const std::uint32_t upper_right = (right * up + 16384U) >> 15;
+  const std::uint32_t weight[4] = {16384U - right - upper_left, right - upper_right, upper_left, upper_right};
+  constexpr std::uint64_t low_bytes = 0x000000ff000000ffU;
+  const auto spread = [](std::uint32_t v) { return (v | (std::uint64_t{v} << 16)) & low_bytes; };
+  std::uint64_t even = 8192U * 0x0000000100000001U;
+  std::uint64_t odd = even;
+  for (int i = 0; i < 4; ++i) {
+    std::uint32_t bits = 0;
+    std::memcpy(&bits, n.pixel[i], 4);
+    even += weight[i] * spread(bits);
+    odd += weight[i] * spread(bits >> 8);
+  }
+  const auto collect = [](std::uint64_t v) {
+    const std::uint64_t bytes = (v >> 14) & low_bytes;
+    return static_cast<std::uint32_t>(bytes | (bytes >> 16));
+  };
+  const std::uint32_t bits = collect(even) | (collect(odd) << 8);
+  std::memcpy(out, &bits, 4);
 }
 
 /// Precondition: is_covered.
@@ -122,7 +160,7 @@ void sample(const WarpSource<Channel>& s, float x, float y, Channel* out) {
   if (!is_covered(s, x, y)) {
     std::copy(s.border.begin(), s.border.end(), out);
   } else if constexpr (Filter == WarpFilter::bilinear) {
-    sample_bilinear(s, x, y, out);
+    blend(Neighbours<Channel>(s, x, y), out);
   } else {
     sample_bicubic(s, x, y, out);
   }

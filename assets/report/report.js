@@ -6,8 +6,8 @@ const summary = data.summary;
 const page = document.getElementById("report");
 const openCharts = [];
 
-const pipelineNames = { P0: "no prediction", P1: "constant velocity", P2: "Kalman", P3: "Kalman with inertial" };
-const seriesColors = { P0: "--p0", P1: "--p1", P2: "--s2", P3: "--s3", theory: "--theory", a: "--p0", b: "--p1", c: "--s2", d: "--s3", e: "--s4", f: "--s5" };
+const pipelineNames = { P0: "no prediction", P1: "constant velocity", P2: "Kalman without inertial", P3: "Kalman with inertial", P4: "late rotation", P5: "late depth warp", P6: "late depth warp per line" };
+const seriesColors = { P0: "--p0", P1: "--p1", P2: "--s2", P3: "--s3", P4: "--s2", P5: "--s4", P6: "--s5", ablation: "--s3", theory: "--theory", a: "--p0", b: "--p1", c: "--s2", d: "--s3", e: "--s4", f: "--s5" };
 
 // ---- small helpers -----------------------------------------------------------------------------------------------------------
 
@@ -48,7 +48,9 @@ const unitSign = (unit) => ({ "deg/s": "\u00b0/s", deg: "\u00b0" }[unit] || unit
 
 const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const seriesColor = (style) => color(seriesColors[style] || "--ink");
-const pipelineTitle = (id) => (pipelineNames[id] ? `${id}, ${pipelineNames[id]}` : id);
+/** "P4", or "P4 shift" when it deflects in another way than its own. */
+const variant = (r) => (r.ablation ? `${r.pipeline} ${r.deflection}` : r.pipeline);
+const variantTitle = (r) => (r.ablation ? variant(r) : `${r.pipeline}, ${pipelineNames[r.pipeline]}`);
 const sum = (list) => list.reduce((a, b) => a + b, 0);
 
 function section(title, ...intro) {
@@ -85,6 +87,12 @@ function touchModel(showAt, clear) {
   };
 }
 
+/** A logarithm has no zero: what is smaller than a ten-thousandth of the largest is drawn at that. */
+function forLog(chart) {
+  const most = Math.max(...chart.rows.flatMap((row) => row.slice(1)).filter((y) => Number.isFinite(y)), 1e-9);
+  return chart.rows.map(([x, ...ys]) => [x, ...ys.map((y) => (Number.isFinite(y) ? Math.max(y, 1e-4 * most) : y))]);
+}
+
 function chartOptions(chart, legend, reset) {
   const options = {
     labels: [chart.x.label, ...chart.series.map((s) => s.name)],
@@ -97,7 +105,7 @@ function chartOptions(chart, legend, reset) {
     fillAlpha: 0.55,
     connectSeparatedPoints: true,
     includeZero: chart.includeZero !== false,
-    logscale: Boolean(chart.y.log),
+    logscale: Boolean(chart.y.log || chart.logarithmic),
     digitsAfterDecimal: 3,
     xRangePad: 4,
     yRangePad: 6,
@@ -124,11 +132,12 @@ function chartOptions(chart, legend, reset) {
 
 function drawChart(chart, parent) {
   const reset = el("button", { type: "button", hidden: "" }, "Reset zoom");
+  const log = chart.logToggle ? el("button", { type: "button", "aria-pressed": "false", title: "What is small beside the largest shows on a logarithmic scale" }, "Log scale") : null;
   const legend = el("div.legend", { "aria-live": "off" });
   const plot = el("div.plot", { role: "img", "aria-label": `${chart.title}: ${chart.caption}` });
   const caption = el("figcaption", {}, chart.caption);
   const box = el("figure.card.chart", { id: "chart-" + chart.id },
-    el("header", {}, el("h3", {}, chart.title), reset), legend, plot, caption);
+    el("header", {}, el("h3", {}, chart.title), el("span.buttons", {}, reset, log)), legend, plot, caption);
   parent.append(box);
   fillLegend(legend, chart, null);
   const graph = new Dygraph(plot, chart.rows, chartOptions(chart, legend, reset));
@@ -136,6 +145,11 @@ function drawChart(chart, parent) {
     ? touchModel((touch) => graph.mouseMove_(touch), () => { graph.clearSelection(); fillLegend(legend, chart, null); })
     : Dygraph.defaultInteractionModel });
   reset.addEventListener("click", () => { graph.resetZoom(); reset.hidden = true; });
+  if (log) log.addEventListener("click", () => {
+    chart.logarithmic = !chart.logarithmic;
+    log.setAttribute("aria-pressed", String(chart.logarithmic));
+    graph.updateOptions({ logscale: chart.logarithmic, file: chart.logarithmic ? forLog(chart) : chart.rows });
+  });
   openCharts.push({ graph, chart, legend, reset });
 }
 
@@ -197,21 +211,36 @@ function enlarge(picture, alt, caption) {
   box.showModal();
 }
 
+const sheetModes = { detail: "Detail", whole: "Whole view", alone: "Virtual alone" };
+
 function contactSheet(sheet, parent) {
   const head = el("tr", {}, el("th"), ...sheet.times_s.map((t) => el("th", {}, tick(t) + "\u00a0s")));
-  const body = sheet.rows.map((row) => el("tr", {}, el("th", { scope: "row" }, row.label, el("span", {}, row.note || "")),
-    ...row.pictures.map((picture, i) => el("td", {}, pictureButton(picture, `${row.label} at ${tick(sheet.times_s[i]) + " s"}`,
-      `${row.label}${row.note ? ", " + row.note : ""}, ${tick(sheet.times_s[i]) + " s"}. ${picture.caption || ""}`)))));
-  parent.append(el("div.scroll.sheet", { tabindex: "0", role: "region", "aria-label": "Contact sheet" },
-    el("table", {}, el("thead", {}, head), el("tbody", {}, ...body))),
-    el("p.note", {}, sheet.caption));
+  const body = el("tbody");
+  const tabs = el("div.tabs.small", { role: "group", "aria-label": "What the sheet shows" });
+  const cell = (row, mode, i) => {
+    const picture = row[mode][i] || row.whole[i];
+    const moment = `${row.label} at ${tick(sheet.times_s[i])} s`;
+    return el("td", {}, pictureButton(picture, moment, `${row.label}${row.note ? ", " + row.note : ""}, ${tick(sheet.times_s[i])} s. ${picture.caption || ""}`));
+  };
+  const show = (mode) => {
+    for (const tab of tabs.children) tab.setAttribute("aria-pressed", String(tab.dataset.mode === mode));
+    body.replaceChildren(...sheet.rows.map((row) => el("tr", {}, el("th", { scope: "row" }, row.label, el("span", {}, row.note || "")),
+      ...sheet.times_s.map((t, i) => cell(row, mode, i)))));
+  };
+  for (const [mode, name] of Object.entries(sheetModes)) {
+    if (mode === "detail" && !sheet.rows.some((row) => row.detail.some((picture) => picture))) continue;
+    tabs.append(el("button", { type: "button", "data-mode": mode, onclick: () => show(mode) }, name));
+  }
+  parent.append(tabs, el("div.scroll.sheet", { tabindex: "0", role: "region", "aria-label": "Contact sheet" },
+    el("table", {}, el("thead", {}, head), body)), el("p.note", {}, sheet.caption));
+  show(tabs.firstElementChild.dataset.mode);
 }
 
 // ---- the parts of the page ---------------------------------------------------------------------------------------------------
 
 function row(pipeline, motion) {
   const head = data.headline;
-  return summary.rows.find((r) => r.motion === (motion || head.motion) && r.pipeline === pipeline &&
+  return summary.rows.find((r) => r.motion === (motion || head.motion) && r.pipeline === pipeline && !r.ablation &&
     r.latency_ms === head.latency_ms && r.lens === head.lens && r.eye === head.eye && r.display === head.display);
 }
 
@@ -226,6 +255,28 @@ function comparison(before, after) {
   if (ratio > 1.1) return el("p", {}, "Predicting the head's motion at constant velocity (P1) cuts the largest error to ", el("strong", {}, angle(b)), `, ${number(ratio)} times less.`);
   if (ratio < 0.9) return el("p", {}, "Predicting at constant velocity (P1) makes it worse here: ", el("strong", {}, angle(b)), `, ${number(1 / ratio)} times more. The motion changes too fast for so long a prediction.`);
   return el("p", {}, "Predicting at constant velocity (P1) changes little here: ", el("strong", {}, angle(b)), ".");
+}
+
+/** What a late correction of the finished picture leaves, and what each further step of it removes. */
+function lateCorrection(predicted) {
+  const turned = row("P4"), moved = row("P5"), lines = row("P6");
+  const first = turned || moved || lines;
+  if (!first) return null;
+  const peak = (r) => el("strong", {}, angle(r.registration.peak_arcmin));
+  const text = el("p", {}, `A finished picture can still be corrected just before it is shown, with a pose measured only ${tick(first.late_ms)} ms before the display starts to scan it out. `);
+  if (turned) text.append("Turning it to that pose (P4, late rotation) leaves at most ", peak(turned), ". ");
+  if (moved) text.append("Moving every point by its own distance as well (P5, late depth warp) leaves ", peak(moved), ". ");
+  if (lines && lines.display === "rolling") text.append("Doing so for each line at its own time (P6) leaves ", peak(lines), ". ");
+  else if (lines && moved) text.append("Line by line (P6) is the same here, as this display lights all lines at once. ");
+  const worst = [turned, moved].filter(Boolean).find((r) => predicted && r.registration.peak_arcmin > predicted.registration.peak_arcmin);
+  if (worst) text.append(`Here ${worst.pipeline} is no better than prediction alone. `);
+  return text;
+}
+
+function notAvailable() {
+  const list = summary.not_available || [];
+  if (!list.length) return null;
+  return el("p.note", {}, "Asked for too: ", list.map((p) => `${p.pipeline}, ${p.name}: ${p.reason}`).join("; "), ".");
 }
 
 function introduction() {
@@ -243,16 +294,20 @@ function introduction() {
     el("strong", {}, number(first.swim.peak_deg_s, "\u00b0/s")), ". The width of your thumb at arm's length is about 2\u00b0."));
   const change = still && predicted ? comparison(still, predicted) : null;
   if (change) page.append(change);
+  const late = lateCorrection(predicted);
+  if (late) page.append(late);
   const cards = el("div.cards");
-  for (const r of [still, predicted].filter(Boolean)) {
+  for (const r of ["P0", "P1", "P4", "P5", "P6"].map((id) => row(id)).filter(Boolean)) {
     const mark = el("i.dot"); mark.style.color = seriesColor(r.pipeline);
-    cards.append(el("div.card", {}, el("header", {}, mark, el("strong", {}, pipelineTitle(r.pipeline)), el("span", {}, `${r.motion}, ${tick(r.latency_ms)} ms`)),
+    cards.append(el("div.card", {}, el("header", {}, mark, el("strong", {}, variantTitle(r)), el("span", {}, `${r.motion}, ${tick(r.latency_ms)} ms`)),
       el("dl.figures", {}, ...[["largest error", angle(r.registration.peak_arcmin), number(r.registration.peak_px, "px")],
         ["fastest swim", number(r.swim.peak_deg_s, "\u00b0/s"), "RMS " + number(r.swim.rms_deg_s, "\u00b0/s")],
         ["effective latency", number(r.effective_latency_ms, "ms"), `of ${tick(r.latency_ms)} ms injected`]]
         .map(([name, value, more]) => el("div", {}, el("dt", {}, name), el("dd", {}, value, el("small", {}, more)))))));
   }
   page.append(cards);
+  const missing = notAvailable();
+  if (missing) page.append(missing);
   if (data.heroes && data.heroes.length) {
     page.append(el("div.pictures", {}, ...data.heroes.map((hero) => el("figure", {}, pictureButton(hero, hero.title, hero.caption),
       el("figcaption", {}, el("strong", {}, hero.title + ". "), hero.caption)))));
@@ -337,7 +392,8 @@ function results() {
   const of = (key) => (r) => number(r[key]);
   node.append(table([
     { name: "Motion", text: true, value: (r) => r.motion },
-    { name: "Pipeline", text: true, value: (r) => r.pipeline },
+    { name: "Pipeline", text: true, value: variant },
+    { name: "Late correction", text: true, value: (r) => (r.late_ms === null ? "\u2013" : `${r.deflection}${r.per_scanline ? " per line" : ""}, ${tick(r.late_ms)}\u00a0ms`) },
     { name: "Eye", text: true, value: (r) => r.eye },
     { name: "Lens", text: true, value: (r) => r.lens },
     { name: "Display", text: true, value: (r) => r.display },
@@ -351,6 +407,8 @@ function results() {
     { name: "peak", unit: "\u00b0/s", value: (r) => number(r.swim.peak_deg_s) },
     { name: "Effective latency", unit: "ms", value: of("effective_latency_ms") },
     { name: "Peak yaw error", unit: "arcmin", value: (r) => number(r.pose.peak_yaw_arcmin) },
+    { name: "View missing", unit: "%", value: of("coverage_missing_pct") },
+    { name: "revealed", unit: "%", value: of("disocclusion_pct") },
     { name: "Measured / theory", text: true, value: expectedText },
     { name: "Picture against theory", unit: "px RMS", value: of("picture_vs_theory_px") },
     { name: "Verdict", text: true, value: (r) => verdict(r.verdict) },
@@ -367,6 +425,12 @@ function glossary() {
     ["arcmin", "a sixtieth of a degree. Sharp eyes resolve about one."],
     ["P0, no prediction", "the picture is drawn for the pose that was measured."],
     ["P1, constant velocity", "the pose is carried on over the latency at the velocity measured last."],
+    ["Late pose", "what the tracker knows shortly before the display starts to show the picture, carried on to the moment of light in the same way."],
+    ["P4, late rotation", "drawn as P1, somewhat wider than the view; then the finished picture is turned to the late pose. It corrects the head's turning at any distance, not its moving."],
+    ["P5, late depth warp", "each point of the finished picture is moved by its own distance, so that the head's moving is corrected too."],
+    ["P6, per line", "the same, with the pose of each line's own moment: for displays that light line after line."],
+    ["Shift", "an ablation: the picture slides as a whole instead of being turned. Right at its centre, wrong towards its edges."],
+    ["View missing, revealed", "part of the view for which the picture had no pixel, as it was not drawn wide enough; and part that was hidden behind something when it was drawn."],
     ["Theory", "the closed form for that motion: for a sine of frequency f and latency T, no prediction errs by 2\u00a0sin(\u03c0\u00a0f\u00a0T) of the amplitude."],
   ].flatMap(([term, text]) => [el("dt", {}, term), el("dd", {}, text)])));
 }
@@ -378,6 +442,7 @@ function making() {
   const facts = [["Renderer", [e.gl_renderer, e.gl_version, e.backend].filter(Boolean).join(" \u00b7 ") || "no pictures were drawn"], ["Display", e.display], ["Scene", e.scene], ["Seed", String(summary.seed)], ["Holdfast", e.holdfast_version]];
   if (t) {
     facts.push(["Bare draw and readback", number(t.draw_readback_ms, "ms")], ["Whole frame loop", `${number(t.frame_loop_ms, "ms")} for ${t.pictures} pictures, ${number(t.ratio)} times the bare time`],
+      ["Metrics of all frames", number(t.metrics_ms, "ms")],
       ["Encoding apart", `${number(t.encode_ms, "ms")}`]);
   }
   node.append(el("dl.terms", {}, ...facts.filter(([, text]) => text).flatMap(([term, text]) => [el("dt", {}, term), el("dd", {}, text)])));

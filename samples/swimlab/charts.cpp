@@ -1,5 +1,6 @@
 #include "charts.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -10,6 +11,7 @@
 #include <holdfast/motion/generators.hpp>
 #include <holdfast/prediction/predictor_theory.hpp>
 #include <holdfast/registration/error_budget.hpp>
+#include <holdfast/registration/expected_values.hpp>
 #include <holdfast/registration/experiment.hpp>
 #include <holdfast/registration/pipeline_pose.hpp>
 
@@ -19,10 +21,6 @@ using namespace holdfast;
 using io::ResultJson;
 
 namespace {
-
-const char* title_of(Pipeline pipeline) {
-  return pipeline == Pipeline::p0 ? "P0 no prediction" : "P1 constant velocity";
-}
 
 ResultJson axis(const char* label, const char* unit, bool log = false) {
   ResultJson json = {{"label", label}, {"unit", unit}};
@@ -59,7 +57,7 @@ ResultJson time_chart(const std::vector<TimeSeries>& series, std::optional<doubl
   ResultJson json;
   json["x"] = axis("time", "s");
   json["series"] = ResultJson::array();
-  for (const TimeSeries& s : series) json["series"].push_back(pipeline_series(s.pipeline));
+  for (const TimeSeries& s : series) json["series"].push_back(variant_series(s.pipeline, s.name));
   ResultJson rows = ResultJson::array();
   for (std::size_t i = 0; !series.empty() && i < series.front().samples.size(); ++i) {
     ResultJson row = {rounded(series.front().samples[i].t_s)};
@@ -81,8 +79,25 @@ ResultJson rounded(std::optional<double> value) {
   return std::strtod(digits, nullptr);
 }
 
-ResultJson pipeline_series(Pipeline pipeline) {
-  return {{"name", title_of(pipeline)}, {"style", holdfast::name_of(pipeline)}};
+std::string variant_name(Pipeline pipeline, DeflectionKind deflection) {
+  const std::string name(holdfast::name_of(pipeline));
+  return deflection == deflection_of(pipeline) ? name : name + ' ' + std::string(holdfast::name_of(deflection));
+}
+std::string variant_name(const ExperimentRow& row) {
+  return variant_name(row.pipeline, row.deflection);
+}
+std::string variant_title(const ExperimentRow& row) {
+  const bool own = row.deflection == deflection_of(row.pipeline);
+  return own ? variant_name(row) + ", " + std::string(describe(row.pipeline)) : variant_name(row);
+}
+
+ResultJson variant_series(Pipeline pipeline, const std::string& name) {
+  const std::string id(holdfast::name_of(pipeline));
+  const bool own = name == id;
+  ResultJson series = {{"name", own ? id + ' ' + std::string(describe(pipeline)) : name},
+                       {"style", own ? id : "ablation"}};
+  if (pipeline == Pipeline::p6) series["dashed"] = true;
+  return series;
 }
 
 ResultJson error_chart(const std::vector<TimeSeries>& series) {
@@ -94,6 +109,7 @@ ResultJson error_chart(const std::vector<TimeSeries>& series) {
       "frame by "
       "frame.";
   json["y"] = axis("error", "px");
+  json["logToggle"] = true;
   return json;
 }
 
@@ -103,46 +119,58 @@ ResultJson swim_chart(const std::vector<TimeSeries>& series) {
   json["title"] = "Swim velocity";
   json["caption"] = "How fast that error changes: the speed at which virtual discs slide over the real ones.";
   json["y"] = axis("swim", "\u00b0/s");
+  json["logToggle"] = true;
   return json;
 }
 
-ResultJson latency_chart(const Motion& motion, const ExperimentSettings& settings, std::span<const Pipeline> pipelines,
+namespace {
+
+/// RMS error of all discs over at most 100 of the motion's frames: only the errors are computed.
+std::optional<double> rms_error_px(const Motion& motion, const ExperimentSettings& settings,
+                                   const RegistrationScene& scene) {
+  double squares = 0.0;
+  std::size_t count = 0;
+  const std::size_t frames = frames_of(motion, settings);
+  const std::size_t stride = std::max<std::size_t>(1, frames / 100);
+  const detail::FramePlanOfExperiment plan = detail::plan_frames(motion, settings);
+  detail::ExperimentRun run(motion, settings, scene, detail::Measures::errors);
+  for (std::size_t i = 0; i < frames; i += stride) {
+    run.frame(i, plan.middle_of(i), [&](const FrameRecord& frame) {
+      for (const FiducialRecord& f : frame.fiducials) {
+        if (!f.visible) continue;
+        squares += f.error_px.squaredNorm();
+        ++count;
+      }
+    });
+  }
+  if (count == 0) return std::nullopt;
+  return std::sqrt(squares / static_cast<double>(count));
+}
+
+}  // namespace
+
+ResultJson latency_chart(const Motion& motion, std::span<const ExperimentSettings> variants,
                          const RegistrationScene& scene) {
   ResultJson json;
   json["id"] = "latency";
   json["title"] = "Error against latency";
   json["caption"] =
       "Root mean square of all discs and frames, when the pose is older or has to be predicted further (as figure 7 of "
-      "Azuma "
-      "and Bishop 1994).";
+      "Azuma and Bishop 1994). The late pose of P4 to P6 keeps its age.";
   json["x"] = axis("latency", "ms");
   json["y"] = axis("RMS error", "px");
+  json["logToggle"] = true;
   json["series"] = ResultJson::array();
-  for (const Pipeline pipeline : pipelines) json["series"].push_back(pipeline_series(pipeline));
+  for (const ExperimentSettings& variant : variants) {
+    const std::string name = variant_name(variant.pipeline, deflection_of(variant).kind);
+    json["series"].push_back(variant_series(variant.pipeline, name));
+  }
   json["rows"] = ResultJson::array();
   for (int latency_ms = 0; latency_ms <= 120; latency_ms += 10) {
     ResultJson row = {latency_ms};
-    for (const Pipeline pipeline : pipelines) {
-      ExperimentSettings at = settings;
-      at.pipeline = pipeline;
+    for (ExperimentSettings at : variants) {
       at.latency = from_milliseconds(latency_ms);
-      // The frames' errors are all that is needed here, not the row's other columns.
-      double squares = 0.0;
-      std::size_t count = 0;
-      const std::size_t frames = frames_of(motion, at);
-      const std::size_t stride = std::max<std::size_t>(1, frames / 300);
-      const detail::FramePlanOfExperiment plan = detail::plan_frames(motion, at);
-      detail::ExperimentRun run(motion, at, scene);
-      for (std::size_t i = 0; i < frames; i += stride) {
-        run.frame(i, plan.middle_of(i), [&](const FrameRecord& frame) {
-          for (const FiducialRecord& f : frame.fiducials) {
-            if (!f.visible) continue;
-            squares += f.error_px.squaredNorm();
-            ++count;
-          }
-        });
-      }
-      row.push_back(count == 0 ? ResultJson(nullptr) : rounded(std::sqrt(squares / static_cast<double>(count))));
+      row.push_back(rounded(rms_error_px(motion, at, scene)));
     }
     json["rows"].push_back(std::move(row));
   }
@@ -169,6 +197,7 @@ ResultJson budget_chart(const Motion& motion, const ExperimentSettings& settings
     BudgetSettings budget_settings;
     budget_settings.experiment = settings;
     budget_settings.experiment.pipeline = Pipeline::p0;
+    budget_settings.experiment.deflection.reset();
     budget_settings.experiment.lens = LensMode::cubic;
     DisplayTiming& timing = budget_settings.experiment.hmd.timing;
     timing.scan_out = ScanOut::rolling;
@@ -189,28 +218,63 @@ ResultJson budget_chart(const Motion& motion, const ExperimentSettings& settings
   return json;
 }
 
-std::vector<ResultJson> frequency_charts(const ExperimentSettings& settings, std::span<const Pipeline> pipelines) {
-  const double interval_s = to_seconds(settings.latency);
+namespace {
+
+/// Variants that show the same orientation: one predictor, one interval.
+struct Response {
+  ExperimentSettings settings;
+  std::string name;
+  bool late = false;
+  Pipeline first, last;
+
+  [[nodiscard]] bool is_like(const ExperimentSettings& other) const {
+    return predictor_of(other.pipeline) == predictor_of(settings.pipeline) &&
+           prediction_interval(other) == prediction_interval(settings);
+  }
+};
+
+std::vector<Response> responses_of(std::span<const ExperimentSettings> variants) {
+  std::vector<Response> responses;
+  for (const ExperimentSettings& variant : variants) {
+    const auto like =
+        std::find_if(responses.begin(), responses.end(), [&](const Response& r) { return r.is_like(variant); });
+    const bool late = deflection_of(variant).kind != DeflectionKind::none;
+    if (like == responses.end()) {
+      responses.push_back({variant, std::string(describe(variant.pipeline)), late, variant.pipeline, variant.pipeline});
+    } else {
+      like->last = std::max(like->last, variant.pipeline);
+      like->first = std::min(like->first, variant.pipeline);
+    }
+  }
+  for (Response& r : responses) {
+    const std::string first(holdfast::name_of(r.first)), last(holdfast::name_of(r.last));
+    if (r.late) r.name = "late pose";
+    r.name = (r.first == r.last ? first : first + " to " + last) + ' ' + r.name;
+  }
+  return responses;
+}
+
+}  // namespace
+
+std::vector<ResultJson> frequency_charts(std::span<const ExperimentSettings> variants) {
+  const std::vector<Response> responses = responses_of(variants);
   ResultJson gain, lag;
   for (ResultJson* chart : {&gain, &lag}) {
     (*chart)["x"] = axis("frequency", "Hz", true);
     (*chart)["series"] = ResultJson::array();
     (*chart)["rows"] = ResultJson::array();
-    for (const Pipeline pipeline : pipelines) {
-      ResultJson series = pipeline_series(pipeline);
-      series["points"] = true;
-      (*chart)["series"].push_back(series);
-      (*chart)["series"].push_back({{"name", std::string(holdfast::name_of(pipeline)) + " by theory"},
-                                    {"style", holdfast::name_of(pipeline)},
-                                    {"dashed", true}});
+    for (const Response& r : responses) {
+      const std::string_view style = holdfast::name_of(r.first);
+      (*chart)["series"].push_back({{"name", r.name}, {"style", style}, {"points", true}});
+      (*chart)["series"].push_back({{"name", r.name + ", theory"}, {"style", style}, {"dashed", true}});
     }
   }
   gain["id"] = "gain";
   gain["title"] = "Gain per frequency";
   gain["caption"] =
       "Amplitude of the displayed motion over that of the head, for a small yaw of each frequency. Points are "
-      "measured, "
-      "lines are the closed forms: prediction exaggerates fast motion.";
+      "measured, lines are the closed forms: prediction exaggerates fast motion. A late pose is predicted over a few "
+      "milliseconds only.";
   gain["y"] = axis("gain", "times");
   lag["id"] = "phase";
   lag["title"] = "Phase per frequency";
@@ -222,15 +286,14 @@ std::vector<ResultJson> frequency_charts(const ExperimentSettings& settings, std
   for (int i = 0; i <= points; ++i) {
     const double hz = 0.2 * std::pow(50.0, static_cast<double>(i) / points);  // 0.2 to 10 Hz
     ResultJson gain_row = {rounded(hz)}, lag_row = {rounded(hz)};
-    for (const Pipeline pipeline : pipelines) {
-      ExperimentSettings at = settings;
-      at.pipeline = pipeline;
-      const theory::Order order = pipeline == Pipeline::p0 ? theory::Order::none : theory::Order::constant_velocity;
+    for (const Response& r : responses) {
+      const theory::Order order = detail::order_of(r.settings.pipeline);
+      const double interval_s = to_seconds(prediction_interval(r.settings));
       const double phase_theory =
           std::arg(theory::response(order, hz, interval_s)) - 2.0 * std::numbers::pi * hz * interval_s;
       const bool shown = i % 2 == 0;
       Phasor phasor;
-      if (shown) phasor = measured_response(at, hz);
+      if (shown) phasor = measured_response(r.settings, hz);
       // The same turn as theory's: a phase is known up to whole turns.
       const double phase = phase_theory + std::remainder(phasor.phase_rad - phase_theory, 2.0 * std::numbers::pi);
       gain_row.push_back(shown ? rounded(phasor.gain) : ResultJson(nullptr));

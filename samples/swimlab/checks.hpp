@@ -20,7 +20,7 @@ struct Check {
   [[nodiscard]] bool holds() const;
 };
 
-/// Values 1, 2, 4, 5, 6 and 9. Draws a few pictures for 5 and 9.
+/// Values 1, 2 and 4 to 9. Draws a few pictures for 5, 7, 8 and 9.
 [[nodiscard]] std::vector<Check> run_checks(Studio& studio, const holdfast::RegistrationScene& scene);
 
 [[nodiscard]] holdfast::io::ResultJson checks_json(const std::vector<Check>& checks);

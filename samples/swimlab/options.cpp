@@ -48,17 +48,50 @@ std::vector<Value> chosen(const std::string& option, const Words& words,
   return values;
 }
 
-std::vector<Pipeline> pipelines_of(const Words& words) {
-  std::vector<Pipeline> pipelines;
+/// Sorts what was asked for into what there is and what is to come.
+void choose_pipelines(const Words& words, RunOptions& o) {
+  const std::string known = "P0 to P6, or all";
+  std::vector<Pipeline> asked;
   for (const std::string& word : words) {
-    const std::optional<Pipeline> pipeline = parse_pipeline(word);
-    if (!pipeline) refuse("--pipeline", "unknown pipeline", word, "P0 (no prediction) or P1 (constant velocity)");
-    if (!is_available(*pipeline)) {
-      refuse("--pipeline", "not available yet", word, "P0 (no prediction) or P1 (constant velocity)");
+    if (word == "all") {
+      asked.insert(asked.end(), pipelines.begin(), pipelines.end());
+      continue;
     }
-    pipelines.push_back(*pipeline);
+    const std::optional<Pipeline> pipeline = parse_pipeline(word);
+    if (!pipeline) refuse("--pipeline", "unknown pipeline", word, known);
+    asked.push_back(*pipeline);
   }
-  return pipelines;
+  for (const Pipeline pipeline : asked) {
+    std::vector<Pipeline>& list = is_available(pipeline) ? o.pipelines : o.not_available;
+    if (std::find(list.begin(), list.end(), pipeline) == list.end()) list.push_back(pipeline);
+  }
+  if (o.pipelines.empty()) {
+    const Pipeline first = o.not_available.front();
+    refuse("--pipeline", std::string(unavailable_reason(first)), std::string(name_of(first)),
+           "with others that are: P0, P1, P4, P5, P6");
+  }
+}
+
+std::string known_deflections() {
+  std::string names = "own";
+  for (const DeflectionKind kind : deflection_kinds) names += ", " + std::string(name_of(kind));
+  return names;
+}
+
+void choose_deflections(const Words& words, RunOptions& o) {
+  for (const std::string& word : words) {
+    const auto kind = std::find_if(deflection_kinds.begin(), deflection_kinds.end(),
+                                   [&](DeflectionKind k) { return word == name_of(k); });
+    if (word != "own" && kind == deflection_kinds.end()) {
+      refuse("--deflection", "unknown", word, "one of " + known_deflections());
+    }
+    o.deflections.push_back(word == "own" ? std::nullopt : std::optional(*kind));
+  }
+  const bool any = std::any_of(o.pipelines.begin(), o.pipelines.end(),
+                               [](Pipeline p) { return deflection_of(p) != DeflectionKind::none; });
+  if (!any) {
+    refuse("--deflection", "none of the pipelines deflects", words.front(), "P4, P5 or P6 among --pipeline");
+  }
 }
 
 PixelSize size_of(const std::string& word) {
@@ -86,8 +119,9 @@ std::uint64_t seed_of(const std::string& word) {
 
 /// The text of the options of `run`, before they are checked.
 struct RunWords {
-  Words motions, pipelines, latencies, eyes, lenses, displays;
-  std::string late = "3", low_pass = "10", size, seed = "1", backend, hmd, model, out = "out/swimlab", json;
+  Words motions, pipelines, deflections, latencies, eyes, lenses, displays;
+  std::string late = "3", plane_distance = "2", low_pass = "10", size, seed = "1", backend, hmd, model,
+              out = "out/swimlab", json;
   bool full = false, lenient = false;
 };
 
@@ -98,7 +132,12 @@ RunOptions checked(const RunWords& words, const std::string& command_line) {
   o.lenient = words.lenient;
   o.motions = or_else(words.motions, words.full ? Words{"M0", "M1", "M2", "M3", "M4", "M5", "M6", "M7", "M8"}
                                                 : Words{"M1", "M3", "M4", "M7"});
-  o.pipelines = pipelines_of(or_else(words.pipelines, {"P0", "P1"}));
+  choose_pipelines(or_else(words.pipelines, {"P0", "P1", "P4", "P5", "P6"}), o);
+  const bool ablation = words.full && words.pipelines.empty();
+  if (ablation || !words.deflections.empty()) choose_deflections(or_else(words.deflections, {"own", "shift"}), o);
+  if (o.deflections.empty()) o.deflections.emplace_back(std::nullopt);
+  o.plane_distance_m =
+      number_of("--plane-distance-m", words.plane_distance, 0.05, 1000.0, "metres before the eye, 0.05 to 1000");
   o.latencies_ms =
       numbers_of("--latency-ms", or_else(words.latencies, words.full ? Words{"2", "20", "60", "100"} : Words{"60"}),
                  0.0, 1000.0, "milliseconds, 0 to 1000");
@@ -181,14 +220,20 @@ void add_run_command(CLI::App& app, const std::string& command_line, int& exit_c
   for (const MotionName& name : motion_names()) names += "\n  " + std::string(name.id) + "  " + std::string(name.title);
   add_words(run_app, "--motion", words->motions,
             "Motions: M0 to M8 (below) or recordings (TUM, EuRoC, CSV); default M1,M3,M4,M7");
-  add_words(run_app, "--pipeline", words->pipelines, "P0 no prediction, P1 constant velocity; default P0,P1");
+  add_words(
+      run_app, "--pipeline", words->pipelines,
+      "P0 no prediction, P1 constant velocity, P4 = P1 and late rotation, P5 = P1 and late depth warp, P6 = P5 line "
+      "by line, all (P2 and P3 are told of as not available yet); default P0,P1,P4,P5,P6");
+  add_words(run_app, "--deflection", words->deflections,
+            "What P4 to P6 do to the finished picture: own, or instead of it none, shift, shift_roll, rotation, plane, "
+            "depth; several make several rows; default own (--full: own,shift)");
+  run_app.add_option("--plane-distance-m", words->plane_distance, "Of --deflection plane; default 2");
   add_words(run_app, "--latency-ms", words->latencies,
             "From the tracker's measurement to the middle of scan-out; default 60");
   add_words(run_app, "--eye", words->eyes, "left, right or both; default left");
   add_words(run_app, "--lens", words->lenses, "none, exact, cubic, uncorrected; default none,exact");
   add_words(run_app, "--display", words->displays, "global or rolling; default as the headset says");
-  run_app.add_option("--late-ms", words->late,
-                     "Late pose before scan-out; used by pipelines that deflect (from P4); default 3");
+  run_app.add_option("--late-ms", words->late, "Age of the late pose of P4 to P6 when scan-out starts; default 3");
   run_app.add_option("--low-pass-hz", words->low_pass,
                      "Recordings: what is faster is noise, not the head (zero phase; 0: keep all); default 10");
   run_app.add_option("--hmd", words->hmd, "Headset descriptor (assets/hmds/*.json)")->type_name("FILE");

@@ -17,8 +17,11 @@ namespace swimlab {
 
 /// What `swimlab run` was asked, checked.
 struct RunOptions {
-  std::vector<std::string> motions;  ///< names M0-M8 or files
-  std::vector<holdfast::Pipeline> pipelines;
+  std::vector<std::string> motions;                                  ///< names M0-M8 or files
+  std::vector<holdfast::Pipeline> pipelines;                         ///< available ones
+  std::vector<holdfast::Pipeline> not_available;                     ///< asked for, and told of in the report
+  std::vector<std::optional<holdfast::DeflectionKind>> deflections;  ///< nothing: the pipeline's own
+  double plane_distance_m = 2.0;
   std::vector<double> latencies_ms;
   std::vector<holdfast::EyeSide> eyes;
   std::vector<holdfast::LensMode> lenses;

@@ -9,6 +9,7 @@
 #include <holdfast/io/png.hpp>
 #include <holdfast/rendering/composition.hpp>
 
+#include "charts.hpp"
 #include "report_assets.hpp"
 
 namespace swimlab {
@@ -64,6 +65,12 @@ void draw_arrow(Image& image, const Arrow& arrow) {
   }
 }
 
+Image with_arrows(const Shot& shot) {
+  Image both = rendering::overlay(shot.real, shot.drawn);
+  for (const Arrow& arrow : shot.arrows) draw_arrow(both, arrow);
+  return both;
+}
+
 void replace_once(std::string& text, std::string_view mark, std::string_view by) {
   const std::size_t at = text.find(mark);
   if (at != std::string::npos) text.replace(at, mark.size(), by);
@@ -72,9 +79,9 @@ void replace_once(std::string& text, std::string_view mark, std::string_view by)
 }  // namespace
 
 std::string file_stem(const ExperimentRow& row) {
-  std::string stem = row.motion + '_' + std::string(holdfast::name_of(row.pipeline)) + '_' +
-                     std::string(io::name_of(row.eye)) + '_' + std::string(io::name_of(row.lens)) + '_' +
-                     with_unit("%g", row.latency_ms) + "ms_" + std::string(io::name_of(row.display));
+  std::string stem = row.motion + '_' + variant_name(row) + '_' + std::string(io::name_of(row.eye)) + '_' +
+                     std::string(io::name_of(row.lens)) + '_' + with_unit("%g", row.latency_ms) + "ms_" +
+                     std::string(io::name_of(row.display));
   for (char& c : stem) {
     const bool plain =
         (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '_';
@@ -87,24 +94,24 @@ void write_pictures(const std::filesystem::path& folder, const RowResult& result
   const std::string stem = file_stem(result.row);
   if (!result.contact.empty()) {
     constexpr int gap = 4;
-    const int width = result.contact[0].real.width, height = result.contact[0].real.height;
-    const int columns = static_cast<int>(result.contact.size());
-    Image sheet(columns * (width + gap) - gap, 3 * (height + gap) - gap, {250, 249, 246, 255});
+    const int width = result.contact[0].whole.real.width, height = result.contact[0].whole.real.height;
+    const int columns = static_cast<int>(result.contact.size()), rows = result.contact[0].detail ? 4 : 3;
+    Image sheet(columns * (width + gap) - gap, rows * (height + gap) - gap, {250, 249, 246, 255});
     for (int column = 0; column < columns; ++column) {
       const PictureFrame& frame = result.contact[static_cast<std::size_t>(column)];
-      Image both = rendering::overlay(frame.real, frame.drawn);
-      for (const Arrow& arrow : frame.arrows) draw_arrow(both, arrow);
       const int left = column * (width + gap);
-      copy_into(sheet, frame.real, left, 0);
-      copy_into(sheet, frame.drawn, left, height + gap);
-      copy_into(sheet, both, left, 2 * (height + gap));
+      copy_into(sheet, frame.whole.real, left, 0);
+      copy_into(sheet, frame.whole.drawn, left, height + gap);
+      copy_into(sheet, with_arrows(frame.whole), left, 2 * (height + gap));
+      if (frame.detail) copy_into(sheet, with_arrows(*frame.detail), left, 3 * (height + gap));
     }
     io::write_png(folder / (stem + "_contact.png"), sheet);
   }
   if (!result.worst) return;
-  io::write_png(folder / (stem + "_worst.png"), rendering::overlay(result.worst->real, result.worst->drawn));
+  io::write_png(folder / (stem + "_worst.png"),
+                rendering::overlay(result.worst->whole.real, result.worst->whole.drawn));
   io::write_png(folder / (stem + "_worst_difference.png"),
-                rendering::difference(result.worst->real, result.worst->drawn));
+                rendering::difference(result.worst->whole.real, result.worst->whole.drawn));
 }
 
 ResultJson page_picture(const Image& image, const std::string& caption, const std::vector<Arrow>* arrows) {
@@ -127,44 +134,56 @@ ResultJson contact_sheet(const std::vector<const RowResult*>& rows) {
   sheet["times_s"] = ResultJson::array();
   sheet["rows"] = ResultJson::array();
   if (rows.empty()) return sheet;
+  // Per row and moment: a detail (nothing where no disc is whole in view), the whole view, and the virtual alone.
   const auto add = [&](const std::string& label, const std::string& note) -> ResultJson& {
-    sheet["rows"].push_back({{"label", label}, {"note", note}, {"pictures", ResultJson::array()}});
-    return sheet["rows"].back()["pictures"];
+    sheet["rows"].push_back({{"label", label},
+                             {"note", note},
+                             {"detail", ResultJson::array()},
+                             {"whole", ResultJson::array()},
+                             {"alone", ResultJson::array()}});
+    return sheet["rows"].back();
   };
   ResultJson& real = add("Real", "the room, at the moment of display");
   for (const PictureFrame& frame : rows.front()->contact) {
     sheet["times_s"].push_back(std::round(100.0 * frame.t_s) / 100.0);
-    real.push_back(page_picture(frame.real, ""));
+    real["detail"].push_back(frame.detail ? page_picture(frame.detail->real, "") : ResultJson(nullptr));
+    real["whole"].push_back(page_picture(frame.whole.real, ""));
+    real["alone"].push_back(nullptr);  // the same picture
   }
   for (const RowResult* row : rows) {
-    const std::string name(holdfast::name_of(row->row.pipeline));
-    ResultJson& drawn = add(name, "virtual");
-    for (const PictureFrame& frame : row->contact) drawn.push_back(page_picture(frame.drawn, ""));
-    ResultJson& both = add(name, "over the real, with error arrows");
+    const bool own = row->row.deflection == deflection_of(row->row.pipeline);
+    ResultJson& entry = add(variant_name(row->row), own ? std::string(describe(row->row.pipeline)) : "an ablation");
     for (const PictureFrame& frame : row->contact) {
-      both.push_back(page_picture(rendering::overlay(frame.real, frame.drawn),
-                                  with_unit("Error %.1f px RMS.", frame.rms_px), &frame.arrows));
+      std::string words = with_unit("Error %.1f px RMS.", frame.rms_px);
+      if (frame.missing_pct >= 0.05) words += with_unit(" %.1f %% of the view has no pixel.", frame.missing_pct);
+      if (frame.guessed_pct >= 0.005) words += with_unit(" %.2f %% was hidden when it was drawn.", frame.guessed_pct);
+      const auto both = [&](const Shot& shot) {
+        return page_picture(rendering::overlay(shot.real, shot.drawn), words, &shot.arrows);
+      };
+      entry["detail"].push_back(frame.detail ? both(*frame.detail) : ResultJson(nullptr));
+      entry["whole"].push_back(both(frame.whole));
+      entry["alone"].push_back(page_picture(frame.whole.drawn, words));
     }
   }
   sheet["caption"] =
-      "Grey is real, coloured is virtual. Arrows lead from each real disc to where its virtual twin is drawn. Select a "
-      "picture "
-      "to enlarge it.";
+      "Grey is real, coloured is virtual. Arrows lead from each real disc to where its virtual twin is drawn. The "
+      "detail "
+      "is the surroundings of the nearest disc, pixel by pixel. Select a picture to enlarge it.";
   return sheet;
 }
 
 ResultJson worst_picture(const RowResult& result) {
   const PictureFrame& frame = *result.worst;
-  const int factor = frame.real.width > 800 ? 2 : 1;
-  std::vector<Arrow> arrows = frame.arrows;
+  const int factor = frame.whole.real.width > 800 ? 2 : 1;
+  std::vector<Arrow> arrows = frame.whole.arrows;
   for (Arrow& arrow : arrows) {
     for (double& x : arrow) x /= factor;
   }
-  ResultJson json = page_picture(smaller(rendering::overlay(frame.real, frame.drawn), factor),
+  ResultJson json = page_picture(smaller(rendering::overlay(frame.whole.real, frame.whole.drawn), factor),
                                  with_unit("At %.2f s, when the error is largest: ", frame.t_s) +
                                      with_unit("%.1f px RMS. Grey is real, coloured is virtual.", frame.rms_px),
                                  &arrows);
-  json["title"] = result.row.pipeline == Pipeline::p0 ? "P0, no prediction" : "P1, constant velocity";
+  json["title"] = variant_title(result.row);
   return json;
 }
 

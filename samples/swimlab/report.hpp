@@ -15,7 +15,7 @@ namespace swimlab {
 /// "M1_P0_left_none_60ms_global": a file name that tells a row.
 [[nodiscard]] std::string file_stem(const holdfast::ExperimentRow& row);
 
-/// Writes STEM_contact.png (real, virtual, overlay with arrows; time runs to the right), STEM_worst.png (overlay of the
+/// Writes STEM_contact.png (real, virtual, overlay with arrows, the same in detail; time runs to the right), STEM_worst.png (overlay of the
 /// frame of the largest error) and STEM_worst_difference.png.
 void write_pictures(const std::filesystem::path& folder, const RowResult& result);
 
@@ -23,7 +23,7 @@ void write_pictures(const std::filesystem::path& folder, const RowResult& result
 [[nodiscard]] holdfast::io::ResultJson page_picture(const holdfast::io::Image& image, const std::string& caption,
                                                     const std::vector<Arrow>* arrows = nullptr);
 
-/// The contact sheet of a motion: real, then each pipeline's virtual picture and overlay.
+/// The contact sheet of a motion: real, then each pipeline, in detail, whole, and alone.
 [[nodiscard]] holdfast::io::ResultJson contact_sheet(const std::vector<const RowResult*>& rows);
 
 /// The overlay of a row's worst frame, at half size.

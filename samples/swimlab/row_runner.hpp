@@ -3,7 +3,10 @@
 
 #include <array>
 #include <cstddef>
+#include <map>
 #include <optional>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include <holdfast/io/image.hpp>
@@ -17,12 +20,20 @@ namespace swimlab {
 /// From the real to the virtual disc: x0, y0, x1, y1, px with y downward, as pictures on a page are counted.
 using Arrow = std::array<double, 4>;
 
-/// A frame as pictures. Real and virtual are as the eye would see them alone.
+/// Real and virtual as the eye would see them alone, and from where to where the discs err.
+struct Shot {
+  holdfast::io::Image real, drawn;
+  std::vector<Arrow> arrows;
+};
+
+/// A frame as pictures.
 struct PictureFrame {
   double t_s = 0.0;
   double rms_px = 0.0;
-  holdfast::io::Image real, drawn;
-  std::vector<Arrow> arrows;
+  double missing_pct = 0.0, guessed_pct = 0.0;  ///< of the virtual picture: without a pixel; revealed by a depth warp
+  Shot whole;
+  /// Round one disc, the same for all pipelines, each pixel as the display has it; as large as `whole`.
+  std::optional<Shot> detail;
 };
 
 struct FrameSample {
@@ -43,8 +54,9 @@ struct PicturePlan {
 };
 
 struct RunTiming {
-  double frame_loop_ms = 0.0;  ///< everything but what is kept, encoded and written
+  double frame_loop_ms = 0.0;  ///< everything done for the frames that are drawn, but what is kept, encoded and written
   double encode_ms = 0.0;
+  double metrics_ms = 0.0;  ///< numbers of all frames; the drawn frames' share of it is in frame_loop_ms too
 };
 
 /// The box-filtered picture, `factor` times smaller.
@@ -63,9 +75,29 @@ struct CentroidErrors {
 };
 
 /// Measures both pictures' discs of a frame (drawn in disc_measuring_style) against the record.
-void compare_centroids(const holdfast::EyeModel& eye, holdfast::LensMode lens, const holdfast::RegistrationScene& scene,
-                       const holdfast::FrameRecord& frame, const holdfast::io::Image& real,
-                       const holdfast::io::Image& drawn, CentroidErrors& errors);
+void compare_centroids(const holdfast::EyeModel& eye, holdfast::LensMode lens, const holdfast::DisplayTiming& timing,
+                       const holdfast::RegistrationScene& scene, const holdfast::FrameRecord& frame,
+                       const holdfast::io::Image& real, const holdfast::io::Image& drawn, CentroidErrors& errors);
+
+/// Pictures of the real world, which do not depend on the pipeline: rows that share motion, eye and display draw them
+/// once.
+class RealPictures {
+ public:
+  /// Forgets what belongs to another motion, eye, display or lens.
+  void select(const holdfast::Motion& motion, const holdfast::ExperimentSettings& settings);
+  /// The picture of the frame, drawn by `draw(image)` when it is not known yet.
+  template <typename Draw>
+  const holdfast::io::Image& at(holdfast::HostTime t_display, Smooth smooth, const Draw& draw) {
+    const auto [entry, is_new] = pictures_.try_emplace({t_display, smooth});
+    if (is_new) draw(entry->second);
+    return entry->second;
+  }
+
+ private:
+  using Key = std::tuple<const holdfast::Motion*, holdfast::EyeSide, holdfast::LensMode, holdfast::ScanOut>;
+  Key of_{};
+  std::map<std::pair<holdfast::HostTime, Smooth>, holdfast::io::Image> pictures_;
+};
 
 class RowRunner {
  public:
@@ -85,7 +117,8 @@ class RowRunner {
   Studio& studio_;
   const holdfast::RegistrationScene& scene_;
   RunTiming timing_;
-  holdfast::io::Image real_, drawn_;
+  RealPictures real_;
+  holdfast::io::Image drawn_;
 };
 
 }  // namespace swimlab

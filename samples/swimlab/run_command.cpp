@@ -2,11 +2,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <map>
+#include <tuple>
 
 #include <holdfast/io/hmd.hpp>
 #include <holdfast/io/input_error.hpp>
 #include <holdfast/io/results.hpp>
+#include <holdfast/registration/pipeline_pose.hpp>
 
 #include "charts.hpp"
 #include "checks.hpp"
@@ -53,30 +54,66 @@ struct Task {
   ExperimentSettings settings;
 };
 
+/// A pipeline and how it deflects.
+struct Variant {
+  Pipeline pipeline;
+  std::optional<DeflectionKind> deflection;
+};
+
+/// Each pipeline with each way of deflecting; P0 and P1 do not. What would do the same as another is left out, such as
+/// P5 with a shift beside P4 with a shift.
+std::vector<Variant> variants_of(const RunOptions& options, bool rolling) {
+  std::vector<Variant> variants;
+  std::vector<std::tuple<Predictor, DeflectionKind, bool>> seen;
+  for (const Pipeline pipeline : options.pipelines) {
+    const DeflectionKind own = deflection_of(pipeline);
+    for (const std::optional<DeflectionKind>& asked : options.deflections) {
+      const bool is_own = !asked || own == DeflectionKind::none || *asked == own;
+      const std::tuple what(predictor_of(pipeline), is_own ? own : *asked, pipeline == Pipeline::p6 && rolling);
+      const bool known = std::find(seen.begin(), seen.end(), what) != seen.end();
+      const bool listed = std::any_of(variants.begin(), variants.end(), [&](const Variant& v) {
+        return v.pipeline == pipeline && v.deflection == (is_own ? std::nullopt : asked);
+      });
+      if (listed || (known && !is_own)) continue;
+      seen.push_back(what);
+      variants.push_back({pipeline, is_own ? std::nullopt : asked});
+    }
+  }
+  return variants;
+}
+
+Task checked_task(const ChosenMotion& motion, ExperimentSettings s) {
+  if (const auto problem = problem_of(s)) throw io::InputError({.key = "settings", .problem = *problem});
+  if (frames_of(*motion.motion, s) < 3) {
+    throw io::InputError(
+        {.key = "--motion " + motion.id,
+         .problem = "too short for a latency of " + std::to_string(std::lround(to_milliseconds(s.latency))) + " ms",
+         .expected = "a motion that lasts some frames longer than the start-up of 0.2 s or more"});
+  }
+  return {&motion, std::move(s)};
+}
+
 std::vector<Task> tasks_of(const RunOptions& options, const std::vector<ChosenMotion>& motions, const HmdModel& hmd) {
   std::vector<Task> tasks;
   for (const ChosenMotion& motion : motions) {
     for (const auto& display : options.displays) {
+      ExperimentSettings s;
+      s.motion_name = motion.id;
+      s.hmd = with_display(hmd, display);
+      s.velocity = motion.recorded ? VelocitySource::backward_difference : VelocitySource::exact;
+      s.late = from_milliseconds(options.late_ms);
+      s.plane_distance_m = options.plane_distance_m;
+      const std::vector<Variant> variants = variants_of(options, s.hmd.timing.scan_out == ScanOut::rolling);
       for (const EyeSide eye : options.eyes) {
         for (const LensMode lens : options.lenses) {
           for (const double latency_ms : options.latencies_ms) {
-            for (const Pipeline pipeline : options.pipelines) {
-              ExperimentSettings s;
-              s.motion_name = motion.id;
-              s.pipeline = pipeline;
+            for (const Variant& variant : variants) {
+              s.pipeline = variant.pipeline;
+              s.deflection = variant.deflection;
               s.eye = eye;
               s.lens = lens;
               s.latency = from_milliseconds(latency_ms);
-              s.hmd = with_display(hmd, display);
-              s.velocity = motion.recorded ? VelocitySource::backward_difference : VelocitySource::exact;
-              if (const auto problem = problem_of(s)) throw io::InputError({.key = "settings", .problem = *problem});
-              if (frames_of(*motion.motion, s) < 3) {
-                throw io::InputError(
-                    {.key = "--motion " + motion.id,
-                     .problem = "too short for a latency of " + std::to_string(std::lround(latency_ms)) + " ms",
-                     .expected = "a motion that lasts some frames longer than the start-up of 0.2 s or more"});
-              }
-              tasks.push_back({&motion, std::move(s)});
+              tasks.push_back(checked_task(motion, s));
             }
           }
         }
@@ -121,20 +158,21 @@ void print_table(const std::vector<std::vector<std::string>>& rows, std::size_t 
 }
 
 void print_rows(const std::vector<RowResult>& results) {
-  std::vector<std::vector<std::string>> table = {{"motion", "pipeline", "eye", "lens", "display", "ms", "RMS px",
-                                                  "peak px", "peak arcmin", "swim RMS deg/s", "peak", "eff. ms",
-                                                  "picture px", "measured / theory", "verdict"}};
+  std::vector<std::vector<std::string>> table = {
+      {"motion", "pipeline", "eye", "lens", "display", "ms", "RMS px", "peak px", "peak arcmin", "swim RMS deg/s",
+       "peak", "eff. ms", "missing %", "revealed %", "picture px", "measured / theory", "verdict"}};
   for (const RowResult& result : results) {
     const ExperimentRow& r = result.row;
     const auto reg = [&](double RegistrationSummary::*m) {
       return r.registration ? std::optional((*r.registration).*m) : std::nullopt;
     };
     const auto swim = [&](double SwimSummary::*m) { return r.swim ? std::optional((*r.swim).*m) : std::nullopt; };
-    table.push_back({r.motion, std::string(holdfast::name_of(r.pipeline)), std::string(io::name_of(r.eye)),
-                     std::string(io::name_of(r.lens)), std::string(io::name_of(r.display)), cell("%g", r.latency_ms),
+    table.push_back({r.motion, variant_name(r), std::string(io::name_of(r.eye)), std::string(io::name_of(r.lens)),
+                     std::string(io::name_of(r.display)), cell("%g", r.latency_ms),
                      cell("%.2f", reg(&RegistrationSummary::rms_px)), cell("%.2f", reg(&RegistrationSummary::peak_px)),
                      cell("%.1f", reg(&RegistrationSummary::peak_arcmin)), cell("%.2f", swim(&SwimSummary::rms_deg_s)),
                      cell("%.2f", swim(&SwimSummary::peak_deg_s)), cell("%.2f", r.effective_latency_ms),
+                     cell("%.2f", r.coverage_missing_pct), cell("%.2f", r.disocclusion_pct),
                      cell("%.4f", r.picture_vs_theory_px), theory_of(r), std::string(holdfast::name_of(r.verdict))});
   }
   print_table(table, 5);
@@ -171,8 +209,7 @@ bool is_shown(const ExperimentSettings& a, const ExperimentSettings& first) {
 
 /// The page's data beyond the summary.
 ResultJson report_data(const ResultJson& summary, const std::vector<Task>& tasks, const std::vector<RowResult>& results,
-                       const std::vector<ChosenMotion>& motions, const RunOptions& options,
-                       const RegistrationScene& scene) {
+                       const std::vector<ChosenMotion>& motions, const RegistrationScene& scene) {
   const RowResult& head = headline_of(results);
   ResultJson data;
   data["summary"] = summary;
@@ -181,20 +218,19 @@ ResultJson report_data(const ResultJson& summary, const std::vector<Task>& tasks
   for (const ChosenMotion& motion : motions) {
     std::vector<TimeSeries> series;
     std::vector<const RowResult*> rows;
-    const ExperimentSettings* settings = nullptr;
+    std::vector<ExperimentSettings> variants;
     for (std::size_t i = 0; i < results.size(); ++i) {
       if (tasks[i].motion != &motion || !is_like(results[i].row, head.row)) continue;
-      series.push_back({results[i].row.pipeline, results[i].samples});
+      series.push_back({results[i].row.pipeline, variant_name(results[i].row), results[i].samples});
       rows.push_back(&results[i]);
-      settings = &tasks[i].settings;
+      variants.push_back(tasks[i].settings);
     }
-    if (settings == nullptr) continue;
+    if (variants.empty()) continue;
     ResultJson& page = data["motions"][motion.id];
     page["tab"] = motion.title;
     page["about"] = motion.about;
-    page["charts"] = {error_chart(series), swim_chart(series),
-                      latency_chart(*motion.motion, *settings, options.pipelines, scene),
-                      budget_chart(*motion.motion, *settings, scene)};
+    page["charts"] = {error_chart(series), swim_chart(series), latency_chart(*motion.motion, variants, scene),
+                      budget_chart(*motion.motion, variants.front(), scene)};
     page["sheet"] = contact_sheet(rows);
     if (motion.id != head.row.motion) continue;
     for (const RowResult* row : rows) {
@@ -207,9 +243,20 @@ ResultJson report_data(const ResultJson& summary, const std::vector<Task>& tasks
                         {"eye", io::name_of(head.row.eye)},
                         {"display", io::name_of(head.row.display)},
                         {"peak_head_deg_s", rounded(peak_head_speed_deg_s(*motion.motion))}};
-    data["sweeps"] = frequency_charts(*settings, options.pipelines);
+    data["sweeps"] = frequency_charts(variants);
   }
   return data;
+}
+
+/// The pipelines that were asked for and cannot be run yet, each with the reason.
+ResultJson not_available_json(const std::vector<Pipeline>& pipelines) {
+  ResultJson list = ResultJson::array();
+  for (const Pipeline pipeline : pipelines) {
+    list.push_back({{"pipeline", holdfast::name_of(pipeline)},
+                    {"name", describe(pipeline)},
+                    {"reason", unavailable_reason(pipeline)}});
+  }
+  return list;
 }
 
 ResultJson environment_json(const Studio& studio, const HmdModel& hmd) {
@@ -250,7 +297,8 @@ int run(const RunOptions& options) {
   for (std::size_t i = 0; i < tasks.size(); ++i) {
     interruption.check();
     const Task& task = tasks[i];
-    progress.show(i + 1, task.motion->id + " " + std::string(holdfast::name_of(task.settings.pipeline)));
+    progress.show(i + 1,
+                  task.motion->id + ' ' + variant_name(task.settings.pipeline, deflection_of(task.settings).kind));
     PicturePlan plan;
     if (options.full) plan.measured = 5;
     if (options.full && !is_shown(task.settings, tasks.front().settings)) plan.contact = 0;
@@ -275,14 +323,18 @@ int run(const RunOptions& options) {
   summary["checks"] = checks_json(checks);
   summary["command"] = options.command;
   summary["late_ms"] = options.late_ms;
+  summary["not_available"] = not_available_json(options.not_available);
 
   progress.show(tasks.size() + 1, "report");
   const auto reporting = Clock::now();
-  summary["timing"] = {
-      {"draw_readback_ms", io::number_or_null(draw_ms)},      {"frame_loop_ms", io::number_or_null(frame_loop_ms)},
-      {"ratio", io::number_or_null(frame_loop_ms / draw_ms)}, {"setup_ms", io::number_or_null(studio.setup_ms())},
-      {"encode_ms", io::number_or_null(encode_ms)},           {"pictures", pictures}};
-  const ResultJson data = report_data(summary, tasks, results, motions, options, scene);
+  summary["timing"] = {{"draw_readback_ms", io::number_or_null(draw_ms)},
+                       {"frame_loop_ms", io::number_or_null(frame_loop_ms)},
+                       {"ratio", io::number_or_null(frame_loop_ms / draw_ms)},
+                       {"setup_ms", io::number_or_null(studio.setup_ms())},
+                       {"encode_ms", io::number_or_null(encode_ms)},
+                       {"metrics_ms", io::number_or_null(runner.timing().metrics_ms)},
+                       {"pictures", pictures}};
+  const ResultJson data = report_data(summary, tasks, results, motions, scene);
   io::write_whole_file(folder.path() / "report.html", report_page(data));
   const double report_ms = ms_since(reporting);
   summary["timing"]["report_ms"] = report_ms;
@@ -294,11 +346,17 @@ int run(const RunOptions& options) {
   progress.finish();
 
   print_rows(results);
+  for (const Pipeline pipeline : options.not_available) {
+    std::printf("%s, %s: %s\n", holdfast::name_of(pipeline).data(), describe(pipeline).data(),
+                unavailable_reason(pipeline).data());
+  }
   print_checks(checks);
   std::printf("\n%zu pictures: bare draw and readback %.0f ms, whole frame loop %.0f ms, ratio %.3f (at most 1.25)\n",
               pictures, draw_ms, frame_loop_ms, frame_loop_ms / draw_ms);
-  std::printf("apart from that: lens tables %.0f ms, encoding pictures %.0f ms, charts and report %.0f ms\n",
-              studio.setup_ms(), encode_ms, report_ms);
+  std::printf(
+      "apart from that: metrics of all frames %.0f ms, lens tables and meshes %.0f ms, encoding pictures %.0f ms, "
+      "charts and report %.0f ms\n",
+      runner.timing().metrics_ms, studio.setup_ms(), encode_ms, report_ms);
   std::printf("report: %s\n", (folder.target() / "report.html").string().c_str());
   const bool rows_hold =
       std::none_of(rows.begin(), rows.end(), [](const auto& r) { return r.verdict == Verdict::fail; });

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include <holdfast/registration/fiducial_error.hpp>
+#include <holdfast/registration/shown_point.hpp>
 #include <holdfast/rendering/rolling.hpp>
 #include <holdfast/scene/load_model.hpp>
 
@@ -31,7 +32,11 @@ class Stopwatch {
 }  // namespace
 
 Studio::Studio(std::optional<Backend> backend, const RegistrationScene& scene, const std::filesystem::path& model)
-    : context_(backend ? make_context(*backend) : make_context()), scene_(*context_, scene), warp_(*context_) {
+    : context_(backend ? make_context(*backend) : make_context()),
+      scene_(*context_, scene),
+      warp_(*context_),
+      late_warp_(*context_),
+      depth_warp_(*context_) {
   if (model.empty()) return;
   const scene::Model loaded = scene::load_model(model);
   for (const std::string& warning : loaded.warnings) {
@@ -44,12 +49,14 @@ Studio::Studio(std::optional<Backend> backend, const RegistrationScene& scene, c
 
 RenderTarget& Studio::target_of(PixelSize size, int samples, bool is_result) {
   auto& target = targets_[{size.width, size.height, samples, is_result}];
-  if (!target) target = std::make_unique<RenderTarget>(*context_, size.width, size.height, samples);
+  if (target) return *target;
+  const Stopwatch stopwatch(setup_ms_);
+  target = std::make_unique<RenderTarget>(*context_, size.width, size.height, samples);
   return *target;
 }
 
 WarpTable& Studio::table_of(const EyeModel& eye, LensMode lens) {
-  const auto key = std::tuple(eye.side, lens, eye.resolution.width, eye.resolution.height);
+  const EyeKey key(eye.side, lens, eye.resolution.width, eye.resolution.height);
   const auto known = tables_.find(key);
   if (known != tables_.end()) return known->second;
   const Stopwatch stopwatch(setup_ms_);
@@ -62,20 +69,59 @@ void Studio::paint(const View& view, const SceneStyle& style) {
   scene_.draw_flat(view, style);
 }
 
-void Studio::draw_virtual(const EyeModel& eye, LensMode lens, const Rigid& X_WE, const SceneStyle& style, Smooth smooth,
-                          io::Image& result) {
-  RenderTarget& target = target_of(eye.resolution, smooth == Smooth::yes ? std::min(4, info().max_samples) : 1);
+WarpMesh& Studio::mesh_of(const EyeModel& eye, LensMode lens) {
+  const EyeKey key(eye.side, lens, eye.resolution.width, eye.resolution.height);
+  const auto known = meshes_.find(key);
+  if (known != meshes_.end()) return known->second;
+  const Stopwatch stopwatch(setup_ms_);
+  return meshes_.try_emplace(key, *context_, seen_mesh(eye, lens)).first->second;
+}
+
+DepthSurfaceTexture& Studio::surface_of(PixelSize size) {
+  const std::pair key(size.width, size.height);
+  const auto known = surfaces_.find(key);
+  if (known != surfaces_.end()) return known->second;
+  const Stopwatch stopwatch(setup_ms_);
+  return surfaces_.try_emplace(key, *context_, size).first->second;
+}
+
+void Studio::draw_virtual(const ShownPicture& picture, const EyeModel& eye, LensMode lens, const DisplayTiming& timing,
+                          const SceneStyle& style, Smooth smooth, io::Image& result) {
+  RenderTarget& target = target_of(picture.view.size, smooth == Smooth::yes ? std::min(4, info().max_samples) : 1);
+  if (picture.is_deflected()) {
+    draw_deflected(picture, eye, lens, timing, style, target, result);
+    return;
+  }
   const WarpTable* const table = needs_lens_pass(lens) ? &table_of(eye, lens) : nullptr;
+  RenderTarget* const seen = table ? &target_of(eye.resolution, 1, true) : nullptr;
   const Stopwatch stopwatch(draw_readback_ms_);
   ++pictures_;
   target.clear(style.background);
-  paint({.eye = &eye, .X_WE = X_WE}, style);
-  if (table == nullptr) {
-    target.read_rgba(result);
-    return;
-  }
+  paint({.eye = &eye, .X_WE = picture.view.X_WS}, style);
+  if (seen) warp_.draw(target, *table, *seen);
+  (seen ? *seen : target).read_rgba(result);
+}
+
+void Studio::draw_deflected(const ShownPicture& picture, const EyeModel& eye, LensMode lens,
+                            const DisplayTiming& timing, const SceneStyle& style, RenderTarget& source,
+                            io::Image& result) {
+  const WarpMesh& mesh = mesh_of(eye, lens);
   RenderTarget& seen = target_of(eye.resolution, 1, true);
-  warp_.draw(target, *table, seen);
+  const bool by_depth = picture.how.kind == DeflectionKind::depth;
+  DepthSurfaceTexture* const surface = by_depth ? &surface_of(picture.view.size) : nullptr;
+  const EyeModel drawing = drawing_eye(eye, picture.view);
+  const Stopwatch stopwatch(draw_readback_ms_);
+  ++pictures_;
+  source.clear(style.background);
+  const View view{.eye = &drawing, .X_WE = picture.view.X_WS};
+  paint(view, style);
+  const RenderedPicture<RenderTarget*> drawn(picture.view, &source);
+  if (by_depth) {
+    surface->update(drawn, view.clip);
+    depth_warp_.draw(drawn, *surface, mesh, picture.deflection.X_SE, timing, seen);
+  } else {
+    late_warp_.draw(drawn, mesh, picture.deflection.H_SE, timing, seen);
+  }
   seen.read_rgba(result);
 }
 

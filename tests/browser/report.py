@@ -73,6 +73,19 @@ def check_mouse(page):
     expect(tabs == 2, f"two motions make two tabs, not {tabs}")
     page.run("document.querySelectorAll('.tabs button')[1].click()")
     expect(len(page.run(CHARTS)) >= 5, "the second motion's charts are missing")
+    modes = page.run("return [...document.querySelectorAll('.tabs.small button')].map((b) => b.dataset.mode)")
+    expect(modes == ["detail", "whole", "alone"], f"the contact sheet's modes are {modes}")
+    rows = "return document.querySelectorAll('.sheet tbody tr').length"
+    expect(page.run(rows) == 6, f"real and five pipelines make six rows, not {page.run(rows)}")
+    source = "return document.querySelector('.sheet tbody tr:last-child img').src"
+    detail = page.run(source)
+    page.run("document.querySelector('.tabs.small [data-mode=whole]').click()")
+    expect(page.run(source) != detail, "the contact sheet does not change its mode")
+    page.run("document.querySelector('.chart header [aria-pressed]').click()")
+    expect(page.run("return document.querySelector('.chart header [aria-pressed]').getAttribute('aria-pressed')") == "true",
+           "the logarithmic scale cannot be chosen")
+    expect(page.run(CHARTS)[0]["drawn"] > 200, "nothing is drawn on a logarithmic scale")
+    expect(page.run("return document.querySelector('main').textContent.includes('P2, Kalman')"), "what is to come is not told")
     page.run("document.querySelector('.sheet .picture').click()")
     expect(page.run("return document.getElementById('lightbox').open"), "a picture does not enlarge")
     page.run("document.querySelector('#lightbox button').click()")
@@ -84,7 +97,7 @@ def main():
         return 77
     with tempfile.TemporaryDirectory(prefix="holdfast-browser-") as scratch:
         report = pathlib.Path(scratch) / "report"
-        subprocess.run([sys.argv[1], "run", "--motion", "M1,M7", "--lens", "none", "--size", "640x360", "--out", report],
+        subprocess.run([sys.argv[1], "run", "--motion", "M1,M7", "--pipeline", "all", "--lens", "none", "--size", "840x472", "--out", report],
                        check=True, stdout=subprocess.DEVNULL)
         url = (report / "report.html").as_uri()
         for name, width, height, phone, dark in [("desktop", 1280, 900, False, False), ("phone", 390, 844, True, False),

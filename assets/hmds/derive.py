@@ -106,47 +106,33 @@ def rift_dk1():
 DK2_KNOTS = [1.003, 1.02, 1.042, 1.066, 1.094, 1.126, 1.162, 1.203, 1.25, 1.31, 1.38]
 
 
-def dk2_scale(r2):
-    """Oculus SDK 0.4: a Catmull-Rom spline through 1, K1 ... K10 at r^2 = 0, 0.1 ... 1; K0 sets the first slope; straight beyond."""
-    value = 10 * r2
-    k = min(10, int(value))
-    t = value - k
-    knots = DK2_KNOTS
-    if k == 0:
-        p0, m0, p1, m1 = 1.0, knots[1] - knots[0], knots[1], (knots[2] - knots[0]) / 2
-    elif k < 9:
-        p0, m0, p1, m1 = knots[k], (knots[k + 1] - knots[k - 1]) / 2, knots[k + 1], (knots[k + 2] - knots[k]) / 2
-    elif k == 9:
-        p0, m0, p1, m1 = knots[9], (knots[10] - knots[9]) / 2, knots[10], knots[10] - knots[9]
-    else:
-        return knots[10] + (knots[10] - knots[9]) * t
-    u = 1 - t
-    return (p0 * (1 + 2 * t) + m0 * t) * u * u + (p1 * (1 + 2 * u) - m1 * u) * t * t
+def dk2_lens(chroma=None):
+    """Oculus SDK 0.4's Catmull-Rom spline; red and blue are green times 1 + chroma[0] + chroma[1] r^2."""
+    spline = {"model": "catmull_rom", "knots": DK2_KNOTS, "r_max": 1.0}
+    if chroma:
+        spline["chroma"] = chroma
+    return {**spline, "r_norm": 1.0, "centre": [0.0, 0.0]}
 
 
 def rift_dk2():
     width, height, per_tangent, separation, from_top = 0.12576, 0.07074, 0.036, 0.0635, 0.0353
     t = {"left": -(width / 2 - separation / 2) / per_tangent, "right": separation / 2 / per_tangent,
          "down": -(height - from_top) / per_tangent, "up": from_top / per_tangent}
-    radii = [i / 200 * 1.02 for i in range(1, 201)]
-    powers = 4
-    # The lens's own map r scale(r^2), fitted in r; k0 = 1 as the spline has it.
-    k = least_squares([[r ** (2 * p + 1) for p in range(1, powers + 1)] for r in radii],
-                      [r * (dk2_scale(r * r) - 1) for r in radii])
-    green = [1.0] + k
-    worst = max(abs(r * sum(c * r ** (2 * i) for i, c in enumerate(green)) - r * dk2_scale(r * r)) for r in radii)
-    print(f"Rift DK2: worst residual of the fit {worst:.2e} in tangent, {worst * per_tangent / width * 1920:.3f} px")
-    c = [-0.01234, -0.0165, 0.02059, 0.0165]
+    near = {"eye_relief_m": 0.008, "red": [-0.0112, -0.015], "blue": [0.0187, 0.015]}
+    far = {"eye_relief_m": 0.018, "red": [-0.015, -0.02], "blue": [0.025, 0.02]}
+    part = (0.011 - near["eye_relief_m"]) / (far["eye_relief_m"] - near["eye_relief_m"])
+    red, blue = ([n + part * (f - n) for n, f in zip(near[c], far[c])] for c in ("red", "blue"))
+    rows = [{"eye_relief_m": row["eye_relief_m"], "lens": dk2_lens(), "lens_red": dk2_lens(row["red"]),
+             "lens_blue": dk2_lens(row["blue"])} for row in (near, far)]
     write("rift_dk2.json", "Oculus Rift DK2",
-          "Oculus SDK 0.4 (HmdRenderInfo and LensConfig of eye cup A, relief 10.9 mm): screen 125.76 x 70.74 mm, 1920 x 1080, lens "
-          "separation 63.5 mm, lens centre 35.3 mm from the top, 36 mm per unit of tangent, spline knots "
-          + ", ".join(f"{k:g}" for k in DK2_KNOTS) +
-          f", chroma -0.01234, -0.0165, 0.02059, 0.0165. Derived: tangents; polynomial fitted to the spline for r <= 1.02 (worst "
-          f"{worst * per_tangent / width * 1920:.2f} px). Persistence 2.3 ms at 75 Hz; its scan runs sideways over 13.1 ms, which rows "
-          "cannot express, so it is given as global. IPD 64 mm is the SDK's default.",
+          "Oculus SDK 0.4 (HmdRenderInfo and LensConfig of eye cup A): screen 125.76 x 70.74 mm, 1920 x 1080, lens separation 63.5 mm, "
+          "lens centre 35.3 mm from the top, 36 mm per unit of tangent, the SDK's own spline for reliefs of 8 and 18 mm (they differ in "
+          "their chroma alone). Derived: tangents; chroma at a relief of 11 mm. Persistence 2.3 ms at 75 Hz. Its scan runs from right to "
+          "left over both eyes' halves, 13.1 ms in all, so that each eye has times of its own; one timing for both cannot express that, "
+          "and it is given as global. IPD 64 mm is the SDK's default.",
           0.064, {"refresh_hz": 75.0, "scan_out": "global", "persistence_ms": 2.3},
-          {"resolution_px": [960, 1080], "tangents": t, "eye_relief_m": 0.0109, "lens": lens(green, 1.0),
-           "lens_red": lens(times(green, 1 + c[0], c[1]), 1.0), "lens_blue": lens(times(green, 1 + c[2], c[3]), 1.0)})
+          {"resolution_px": [960, 1080], "tangents": t, "eye_relief_m": 0.011, "lens": dk2_lens(), "lens_red": dk2_lens(red),
+           "lens_blue": dk2_lens(blue), "lenses_at_relief": rows})
 
 
 def osvr_hdk_2_0(folder):

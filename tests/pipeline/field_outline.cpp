@@ -26,16 +26,16 @@ TEST_CASE("line fractions are those of the scan direction; a global display has 
   for (const ScanDirection direction : scan_directions) {
     const HmdModel hmd = rolling_hmd(direction);
     const FieldTangents& f = hmd.left.tangents;
-    for (const FieldOutline::Point& p : FieldOutline(hmd.left, LensMode::none, hmd.timing).points()) {
+    const FieldOutline outline(hmd.left, LensMode::none, hmd.timing);
+    for (const FieldOutline::Point& p : outline.points()) {
       const Vector2 pixel = pixel_of_tangent(hmd.left, p.t_E);
       const double expected = line_fraction_of_pixel(direction, pixel, Vector2(1280, 720));
       CHECK(std::abs(p.line_fraction - expected) < 1e-14);
       CHECK(p.t_E.x() >= f.left);
     }
   }
-  for (const FieldOutline::Point& p : FieldOutline(default_hmd().left, LensMode::none, default_hmd().timing).points()) {
-    CHECK(p.line_fraction == 0.5);
-  }
+  const FieldOutline global(default_hmd().left, LensMode::none, default_hmd().timing);
+  for (const FieldOutline::Point& p : global.points()) CHECK(p.line_fraction == 0.5);
 }
 
 TEST_CASE("every panel pixel shows something within the bounds, with lenses per colour") {

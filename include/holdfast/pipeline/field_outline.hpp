@@ -37,7 +37,8 @@ class FieldOutline {
     }
   }
 
-  [[nodiscard]] std::span<const Point> points() const { return {points_.data(), size_}; }
+  [[nodiscard]] std::span<const Point> points() const& { return {points_.data(), size_}; }
+  std::span<const Point> points() const&& = delete;  // they would be gone with the outline
 
   /// The smallest field that holds the outline: what a picture that is never deflected must fill.
   [[nodiscard]] FieldTangents bounds() const {

@@ -72,7 +72,8 @@ struct PublishedLens {
   bool radial = true;
 };
 
-/// One lens of every model, placed as its headset has it (a camera: as if a display had been calibrated so).
+/// One lens of every model, placed as its headset has it (a camera: as if a display had been calibrated so; where the
+/// unit is half of a picture's width, that is taken for a tangent of about 1).
 inline std::vector<PublishedLens> published_lenses() {
   const auto even = [](std::vector<double> k, double k0 = 1.0) { return PolynomialLens(k, k0); };
   const auto spline = [](const std::array<double, 11>& knots, double r_max, std::array<double, 2> chroma = {0.0, 0.0}) {

@@ -34,7 +34,6 @@ class Stopwatch {
 Studio::Studio(std::optional<Backend> backend, const RegistrationScene& scene, const std::filesystem::path& model)
     : context_(backend ? make_context(*backend) : make_context()),
       scene_(*context_, scene),
-      warp_(*context_),
       late_warp_(*context_),
       depth_warp_(*context_) {
   if (model.empty()) return;
@@ -53,14 +52,6 @@ RenderTarget& Studio::target_of(PixelSize size, int samples, bool is_result) {
   const Stopwatch stopwatch(setup_ms_);
   target = std::make_unique<RenderTarget>(*context_, size.width, size.height, samples);
   return *target;
-}
-
-WarpTable& Studio::table_of(const EyeModel& eye, LensMode lens) {
-  const EyeKey key(eye.side, lens, eye.resolution.width, eye.resolution.height);
-  const auto known = tables_.find(key);
-  if (known != tables_.end()) return known->second;
-  const Stopwatch stopwatch(setup_ms_);
-  return tables_.emplace(key, seen_picture_table(*context_, eye, lens)).first->second;
 }
 
 void Studio::paint(const View& view, const SceneStyle& style) {
@@ -88,26 +79,22 @@ DepthSurfaceTexture& Studio::surface_of(PixelSize size) {
 void Studio::draw_virtual(const ShownPicture& picture, const EyeModel& eye, LensMode lens, const DisplayTiming& timing,
                           const SceneStyle& style, Smooth smooth, io::Image& result) {
   RenderTarget& target = target_of(picture.view.size, smooth == Smooth::yes ? std::min(4, info().max_samples) : 1);
-  if (picture.is_deflected()) {
-    draw_deflected(picture, eye, lens, timing, style, target, result);
+  if (picture.is_deflected() || lens != LensMode::none) {
+    draw_warped(picture, eye, lens, timing, style, target, result);
     return;
   }
-  const WarpTable* const table = needs_lens_pass(lens) ? &table_of(eye, lens) : nullptr;
-  RenderTarget* const seen = table ? &target_of(eye.resolution, 1, true) : nullptr;
   const Stopwatch stopwatch(draw_readback_ms_);
   ++pictures_;
   target.clear(style.background);
   paint({.eye = &eye, .X_WE = picture.view.X_WS}, style);
-  if (seen) warp_.draw(target, *table, *seen);
-  (seen ? *seen : target).read_rgba(result);
+  target.read_rgba(result);
 }
 
-void Studio::draw_deflected(const ShownPicture& picture, const EyeModel& eye, LensMode lens,
-                            const DisplayTiming& timing, const SceneStyle& style, RenderTarget& source,
-                            io::Image& result) {
+void Studio::draw_warped(const ShownPicture& picture, const EyeModel& eye, LensMode lens, const DisplayTiming& timing,
+                         const SceneStyle& style, RenderTarget& source, io::Image& result) {
   const WarpMesh& mesh = mesh_of(eye, lens);
   RenderTarget& seen = target_of(eye.resolution, 1, true);
-  const bool by_depth = picture.how.kind == DeflectionKind::depth;
+  const bool by_depth = picture.is_deflected() && picture.how.kind == DeflectionKind::depth;
   DepthSurfaceTexture* const surface = by_depth ? &surface_of(picture.view.size) : nullptr;
   const EyeModel drawing = drawing_eye(eye, picture.view);
   const Stopwatch stopwatch(draw_readback_ms_);

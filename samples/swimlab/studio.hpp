@@ -13,7 +13,6 @@
 #include <holdfast/registration/experiment_types.hpp>
 #include <holdfast/rendering/depth_warp_pass.hpp>
 #include <holdfast/rendering/late_warp_pass.hpp>
-#include <holdfast/rendering/lens_pass.hpp>
 #include <holdfast/rendering/make_context.hpp>
 #include <holdfast/rendering/registration_scene.hpp>
 #include <holdfast/rendering/render_target.hpp>
@@ -50,22 +49,20 @@ class Studio {
   /// Time spent in drawing and reading back since the start, and the number of pictures.
   [[nodiscard]] double draw_readback_ms() const { return draw_readback_ms_; }
   [[nodiscard]] std::size_t pictures() const { return pictures_; }
-  /// Time spent in making what is needed once per eye and lens: targets, lens tables and meshes.
+  /// Time spent in making what is needed once per eye and lens: targets and meshes.
   [[nodiscard]] double setup_ms() const { return setup_ms_; }
 
  private:
-  void draw_deflected(const holdfast::ShownPicture& picture, const holdfast::EyeModel& eye, holdfast::LensMode lens,
-                      const holdfast::DisplayTiming& timing, const holdfast::rendering::SceneStyle& style,
-                      holdfast::rendering::RenderTarget& source, holdfast::io::Image& result);
+  void draw_warped(const holdfast::ShownPicture& picture, const holdfast::EyeModel& eye, holdfast::LensMode lens,
+                   const holdfast::DisplayTiming& timing, const holdfast::rendering::SceneStyle& style,
+                   holdfast::rendering::RenderTarget& source, holdfast::io::Image& result);
   void paint(const holdfast::rendering::View& view, const holdfast::rendering::SceneStyle& style);
   holdfast::rendering::RenderTarget& target_of(holdfast::PixelSize size, int samples, bool is_result = false);
-  holdfast::rendering::WarpTable& table_of(const holdfast::EyeModel& eye, holdfast::LensMode lens);
   holdfast::rendering::WarpMesh& mesh_of(const holdfast::EyeModel& eye, holdfast::LensMode lens);
   holdfast::rendering::DepthSurfaceTexture& surface_of(holdfast::PixelSize size);
 
   std::unique_ptr<holdfast::rendering::Context> context_;
   holdfast::rendering::RegistrationScenePainter scene_;
-  holdfast::rendering::WarpPass warp_;
   holdfast::rendering::LateWarpPass late_warp_;
   holdfast::rendering::DepthWarpPass depth_warp_;
   std::optional<holdfast::scene::ModelPainter> model_;
@@ -73,7 +70,6 @@ class Studio {
   std::string model_name_;
   std::map<std::tuple<int, int, int, bool>, std::unique_ptr<holdfast::rendering::RenderTarget>> targets_;
   using EyeKey = std::tuple<holdfast::EyeSide, holdfast::LensMode, int, int>;
-  std::map<EyeKey, holdfast::rendering::WarpTable> tables_;
   std::map<EyeKey, holdfast::rendering::WarpMesh> meshes_;
   std::map<std::pair<int, int>, holdfast::rendering::DepthSurfaceTexture> surfaces_;
   double draw_readback_ms_ = 0.0, setup_ms_ = 0.0;

@@ -1,5 +1,5 @@
-/// Everything of holdfast::rendering: contexts without a window, targets, the registration scene, lenses, pictures of
-/// swim.
+/// Everything of holdfast::rendering: contexts without a window, targets, the registration scene, late warps through the
+/// lens, pictures of swim.
 #pragma once
 
 #include <holdfast/rendering/backend.hpp>
@@ -17,7 +17,6 @@
 #include <holdfast/rendering/gl_object.hpp>
 #include <holdfast/rendering/image_compare.hpp>
 #include <holdfast/rendering/late_warp_pass.hpp>
-#include <holdfast/rendering/lens_pass.hpp>
 #include <holdfast/rendering/lit_painter.hpp>
 #include <holdfast/rendering/make_context.hpp>
 #include <holdfast/rendering/mesh.hpp>
@@ -32,4 +31,3 @@
 #include <holdfast/rendering/texture.hpp>
 #include <holdfast/rendering/view.hpp>
 #include <holdfast/rendering/warp_mesh.hpp>
-#include <holdfast/rendering/warp_pass.hpp>

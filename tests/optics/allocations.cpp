@@ -48,6 +48,24 @@ TEST_CASE("no lens model allocates, whatever it is asked") {
   CHECK(std::isfinite(sum));
 }
 
+TEST_CASE("a point mesh allocates when it is made, not when it is asked or copied") {
+  std::vector<PointMeshSample> samples;
+  for (int i = 0; i < 9; ++i) {
+    for (int k = 0; k < 9; ++k) samples.push_back({Vector2(i - 4, k - 4), Vector2(1.1 * i - 4.4, k - 4)});
+  }
+  const Lens lens(PointMeshLens(make_point_mesh(samples).mesh));
+  double sum = 0.0;
+  const std::size_t before = allocations;
+  const Lens copy = mirrored(lens);
+  for (int i = 0; i < 50; ++i) {
+    const Vector2 t(0.2 * i - 5, 3.0 - 0.1 * i);  // some outside
+    if (const auto seen = copy.distort(t)) sum += seen->sum() + copy.distort_jacobian(t).sum();
+    if (const auto panel = copy.undistort(t)) sum += panel->sum() + copy.undistort_jacobian(t)->sum();
+  }
+  CHECK(allocations == before);
+  CHECK(std::isfinite(sum));
+}
+
 TEST_CASE("projection, rays and lenses allocate nothing") {
   HmdModel hmd = default_hmd();
   hmd.right.lens = Lens(PolynomialLens(std::array<double, 2>{0.22, 0.24}), placed_at(0.9));

@@ -182,6 +182,21 @@ TEST_CASE("a map that wraps round itself is cut where it overlaps, though no tri
   CHECK(answered > 500);
 }
 
+TEST_CASE("the picture does not tear where the nearest three samples lie on a line") {
+  // Rows twenty times as dense as columns: the nearest three samples are of one row nearly everywhere, and a plane
+  // through them jumps from row to row. The triangle round the point is continuous: steps of the map are at most its
+  // steepest slope times the step.
+  const PointMeshLens lens = lens_of(sampled(barrel, 201, 11));
+  double steepest = 0.0;
+  for (const Matrix2& J : lens.mesh().jacobians) steepest = std::max(steepest, J.norm());
+  for_random(2000, 0.49, [&](const Vector2& p) {
+    for (const Vector2& step : {Vector2(1e-4, 0), Vector2(0, 1e-4), Vector2(1e-7, -1e-7)}) {
+      const Vector2 moved = *lens.distort(Vector2(p + step)) - *lens.distort(p);
+      CHECK(moved.norm() <= steepest * step.norm() * (1 + 1e-6) + 1e-15);
+    }
+  });
+}
+
 TEST_CASE("mirrored and moved by its placement, like any lens") {
   const PointMeshLens model = lens_of(sampled(barrel));
   const Lens lens(model, LensPlacement{Vector2(0.1, -0.2), Vector2(2.0, 1.5)});

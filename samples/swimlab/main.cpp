@@ -8,6 +8,7 @@
 
 #include "exit_code.hpp"
 #include "interruption.hpp"
+#include "lens_command.hpp"
 #include "options.hpp"
 
 namespace {
@@ -40,6 +41,7 @@ int main(int argc, char** argv) {
   swimlab::add_run_command(app, command_line(argc, argv), exit_code);
   swimlab::add_predict_command(app, exit_code);
   swimlab::add_latency_command(app, exit_code);
+  swimlab::add_lens_command(app, exit_code);
   try {
     app.parse(argc, argv);
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) return complain("standard output cannot be written");
@@ -47,7 +49,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     if (argc > 1 && argv[1][0] != '-' && app.get_subcommands().empty()) {
-      return complain("unknown command '" + std::string(argv[1]) + "'; expected run, predict or latency");
+      return complain("unknown command '" + std::string(argv[1]) + "'; expected run, predict, latency or lens");
     }
     complain(error.what());
     std::fprintf(stderr, "Try: swimlab %s--help\n",

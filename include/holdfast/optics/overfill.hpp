@@ -213,8 +213,8 @@ class Overfill {
 [[nodiscard]] inline PixelSize overfilled_size(const PixelSize& size, const FieldTangents& field,
                                                const FieldTangents& wider) {
   const auto pixels = [](int count, double own, double wide) {
-    // A little less than the ratio's rounding: an unchanged field keeps its pixels.
-    return static_cast<int>(std::ceil(count * std::abs(wide / own) - 1e-9 * count));
+    // Less by what rounding to float may do: an unchanged field keeps its pixels.
+    return static_cast<int>(std::ceil(count * std::abs(wide / own) - 1e-6 * count));
   };
   return {pixels(size.width, field.right - field.left, wider.right - wider.left),
           pixels(size.height, field.up - field.down, wider.up - wider.down)};

@@ -15,6 +15,9 @@
 #ifdef WITH_GLM
 #include <holdfast/interop/glm.hpp>
 #endif
+#ifdef WITH_OPENXR
+#include <holdfast/interop/openxr.hpp>
+#endif
 
 using Sizes = std::array<std::size_t, 12>;
 

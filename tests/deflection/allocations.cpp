@@ -76,3 +76,30 @@ TEST_CASE("deflecting a frame by any kind allocates nothing once its memory is t
   CHECK(allocations > after);
   CHECK(some.size() == samples.size());
 }
+
+TEST_CASE("warping on the CPU allocates nothing after the first frame, with threads of its own") {
+  EyeModel eye = default_hmd({200, 120}).left;
+  eye.lens_red = Lens(RadialLens{0.18});
+  DisplayTiming timing;
+  timing.scan_out = ScanOut::rolling;
+  timing.scan_duration = from_milliseconds(11.1);
+  const RenderedView view{{}, eye.tangents, eye.resolution, {}};
+  const WarpLattice lattice(eye, LensMode::exact);
+  std::vector<std::uint8_t> source(4 * 200 * 120, 9);
+  std::vector<std::uint8_t> target(source.size());
+  CpuWarp warp({2});
+  const auto frame = [&](double turn) {
+    const Rigid late(so3::exp<double>(Vector3(0.0, turn, 0.0)), Vector3::Zero());
+    const DeflectionResult result = deflect({}, view, {late, Rigid()});
+    const ComposedWarp composed(eye, LensMode::exact, timing, view, result.H_SE);
+    return warp.draw(lattice, composed, PictureSpan<std::uint8_t>(source.data(), 200, 120),
+                     PictureSpan<std::uint8_t>(target.data(), 200, 120));
+  };
+  CHECK(frame(0.01) == CpuWarpProblem::none);
+  const std::size_t before = allocations;
+  int problems = 0;
+  for (int i = 0; i < 20; ++i) problems += frame(0.002 * i) != CpuWarpProblem::none;
+  const std::size_t after = allocations;
+  CHECK(after == before);
+  CHECK(problems == 0);
+}

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include <holdfast/optics/detail/mesh_cut.hpp>
@@ -16,7 +17,7 @@
 namespace holdfast::detail {
 
 /// How much larger than found the error may be between the points that were tried, and by the rounding to float.
-/// Between the kinks of point meshes more than in smooth lenses.
+/// A kink's error is found to half at least.
 [[nodiscard]] inline double error_margin_of(const PanelMap& map) {
   return map.is_smooth() ? 1.05 : 2.0;
 }
@@ -27,8 +28,9 @@ class AdaptiveMesher {
       : looker_(looker),
         options_(options),
         limit_(options.max_error_px / error_margin_of(looker.map())),
-        coarsest_px_(std::max(panel.width, panel.height) / 8.0),
-        lattice_(looker.map().is_simple() ? 8 : 1),
+        coarsest_px_(looker.map().has_end() ? std::max(panel.width, panel.height) / 8.0
+                                            : std::numeric_limits<double>::infinity()),
+        lattice_(pieces(looker.map(), options.max_error_px)),
         bisection_(cells(panel.width, panel.height), cells(panel.height, panel.width)) {}
 
   /// False when the bound needs too many vertices.
@@ -54,9 +56,15 @@ class AdaptiveMesher {
 
  private:
   /// Edges shorter than this, in panel pixels, are not cut: nothing that is drawn would change.
-  static constexpr double shortest_edge_px = 0.5;
+  static constexpr double shortest_edge_px = 0.25;
   /// Along longer ones a border is not looked for with care.
   static constexpr double longest_border_edge_px = 32.0;
+
+  /// Fewer pieces follow the lens more closely, more of them are found faster: where many triangles are needed.
+  [[nodiscard]] static std::uint32_t pieces(const PanelMap& map, double max_error_px) {
+    if (!map.is_simple()) return 1;
+    return max_error_px < 0.1 ? 8 : max_error_px < 0.5 ? 4 : 1;
+  }
 
   /// First cells along a side: a power of two, so that a cell is at most sqrt(2) times as long one way as the other.
   [[nodiscard]] static std::uint32_t cells(double along, double across) {
@@ -69,7 +77,7 @@ class AdaptiveMesher {
     const std::array<PanelPoint, 3> corner{bisection_.points()[v[0]], bisection_.points()[v[1]],
                                            bisection_.points()[v[2]]};
     const double length_px = looker_.pixels_between(corner[0], corner[1]).norm();
-    if (looker_.map().is_bounded() && length_px > coarsest_px_) return true;
+    if (length_px > coarsest_px_) return true;
     if (lattice_.pieces() > 1) {
       const TriangleError error = error_of_pieces(looker_, corner, static_cast<int>(lattice_.pieces()));
       if (!error.hole) {
@@ -131,7 +139,8 @@ class AdaptiveMesher {
 
   const PanelLooker& looker_;
   AdaptiveMeshOptions options_;
-  double limit_, coarsest_px_;
+  double limit_;
+  double coarsest_px_;  ///< larger triangles are cut unseen: an end of what is shown may hide in them
   PieceLattice lattice_;
   Bisection bisection_;
   std::vector<double> error_px_;  ///< of each triangle, as it was last tried

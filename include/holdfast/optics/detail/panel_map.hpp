@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <span>
 #include <type_traits>
 #include <variant>
 
+#include <holdfast/optics/catmull_rom_lens.hpp>
 #include <holdfast/optics/eye.hpp>
 #include <holdfast/optics/point_mesh_lens.hpp>
 
@@ -31,7 +33,10 @@ class PanelMap {
     for (int c = 0; c < colours_; ++c) {
       const Lens& lens = eye.lens_of(colours_ == 3 ? static_cast<Color>(c) : Color::green);
       lenses_[static_cast<std::size_t>(c)] = inverse_ ? lens.cubic_inverse() : lens;
-      smooth_ = smooth_ && (identity_ || inverse_ || lens.model_if<PointMeshLens>() == nullptr);
+      has_end_ =
+          has_end_ || (!identity_ && std::isfinite(lenses_[static_cast<std::size_t>(c)].valid_radius())) || inverse_;
+      smooth_ =
+          smooth_ && (identity_ || inverse_ || !(lens.model_if<PointMeshLens>() || lens.model_if<CatmullRomLens>()));
     }
     if (colours_ == 1) identity_ = identity_ || lenses_[0].model_if<NoLens>() != nullptr;
     if (!field) return;
@@ -41,12 +46,14 @@ class PanelMap {
   }
 
   [[nodiscard]] int colours() const { return colours_; }
+  /// No kinks: neither samples nor Oculus's spline, whose derivative jumps at its next to last knot.
   [[nodiscard]] bool is_smooth() const { return smooth_; }
   /// A few points tell how the lens bends between them, and no border is expected but perhaps that of its domain.
   [[nodiscard]] bool is_simple() const { return smooth_ && !inverse_ && !field_ && !identity_; }
   /// Every panel point shows its own tangent.
   [[nodiscard]] bool is_identity() const { return identity_; }
-  [[nodiscard]] bool is_bounded() const { return !identity_ || field_.has_value(); }
+  /// Some of the panel may show nothing.
+  [[nodiscard]] bool has_end() const { return field_.has_value() || has_end_; }
 
   /// Looks of the panel tangents, in the same order.
   void look(std::span<const Vector2> panel, PanelLook* out) const {
@@ -107,7 +114,7 @@ class PanelMap {
 
   std::array<Lens, 3> lenses_;
   int colours_ = 1;
-  bool inverse_, identity_, smooth_ = true;
+  bool inverse_, identity_, smooth_ = true, has_end_ = false;
   std::optional<FieldTangents> field_;
 };
 

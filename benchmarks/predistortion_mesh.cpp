@@ -1,0 +1,68 @@
+// Building the predistortion meshes of both eyes, to 0.05 px: the default headset (1280 x 720, the bound of 2 ms is for
+// it), the same seen through an eye's own field only, and every headset of assets/hmds. Counters: vertices and triangles
+// of one eye, the stated error. A fixed 64 x 64 grid is there to compare with.
+//     bench_predistortion_mesh [Google Benchmark options...]
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include <holdfast/io/hmd.hpp>
+#include <holdfast/optics/predistortion_mesh.hpp>
+
+namespace {
+
+using namespace holdfast;
+
+template <typename Build>
+void both_eyes(benchmark::State& state, const HmdModel& hmd, const Build& build) {
+  PredistortionMesh left;
+  for (auto _ : state) {
+    left = build(hmd.left);
+    PredistortionMesh right = build(hmd.right);
+    benchmark::DoNotOptimize(left.vertices.data());
+    benchmark::DoNotOptimize(right.vertices.data());
+  }
+  state.counters["vertices"] = static_cast<double>(left.vertices.size());
+  state.counters["triangles"] = static_cast<double>(left.triangle_count());
+  state.counters["error_px"] = left.max_error_px;
+}
+
+void adaptive(benchmark::State& state, const HmdModel& hmd, double bound_px) {
+  both_eyes(state, hmd,
+            [&](const EyeModel& eye) { return adaptive_mesh(eye, LensMode::exact, {.max_error_px = bound_px}); });
+}
+
+void within_field(benchmark::State& state, const HmdModel& hmd) {
+  both_eyes(state, hmd,
+            [](const EyeModel& eye) { return adaptive_mesh(eye, LensMode::exact, {.field = eye.tangents}); });
+}
+
+void grid(benchmark::State& state, const HmdModel& hmd) {
+  both_eyes(state, hmd, [](const EyeModel& eye) { return grid_mesh(eye, LensMode::exact, 64, 64); });
+}
+
+int register_all() {
+  const HmdModel usual = default_hmd();
+  const auto in_ms = [](auto* run) { run->Unit(benchmark::kMillisecond); };
+  in_ms(benchmark::RegisterBenchmark("default/0.05_px", adaptive, usual, 0.05));
+  in_ms(benchmark::RegisterBenchmark("default/0.5_px", adaptive, usual, 0.5));
+  in_ms(benchmark::RegisterBenchmark("default/0.05_px/own_field", within_field, usual));
+  in_ms(benchmark::RegisterBenchmark("default/grid_64x64", grid, usual));
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(HOLDFAST_SOURCE_DIR "/assets/hmds")) {
+    if (entry.path().extension() == ".json") files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  for (const auto& file : files) {
+    in_ms(
+        benchmark::RegisterBenchmark((file.stem().string() + "/0.05_px").c_str(), adaptive, io::read_hmd(file), 0.05));
+  }
+  return 0;
+}
+
+[[maybe_unused]] const int registered = register_all();
+
+}  // namespace

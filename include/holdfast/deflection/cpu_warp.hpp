@@ -10,11 +10,12 @@
 /// strides; the target is as large as the panel, the source as large as its RenderedView says. Filters: bilinear and
 /// Catmull-Rom. What has no source (outside the source picture's rectangle in any colour, outside the lens's domain,
 /// behind the source eye) gets the border's colour, transparent black by default, so that alpha is the mask of what is
-/// covered when the source is opaque. Alpha comes from green's place. Tiles are dealt to threads as they get free; with
-/// AVX2 and FMA, found out at run time, the work is done in vectors, else in portable code that gives the same within
-/// 1/255. The number of threads changes no bit. draw() neither allocates, locks nor throws, but for the first time that
-/// a target is larger than all before. One draw at a time for each CpuWarp. The C++ library's threads may want
-/// -pthread. Bad input: refused with a CpuWarpProblem; the target stays as it was.
+/// covered when the source is opaque. Alpha comes from green's place. A warp by depth is searched pixel by pixel in
+/// double precision, as its definition says, and takes far longer; what it reveals gets the search's guess. Tiles are
+/// dealt to threads as they get free; with AVX2 and FMA, found out at run time, the work is done in vectors, else in
+/// portable code that gives the same within 1/255. The number of threads changes no bit. draw() neither allocates, locks
+/// nor throws, but for the first time that a target is larger than all before. One draw at a time for each CpuWarp. The
+/// C++ library's threads may want -pthread. Bad input: refused with a CpuWarpProblem; the target stays as it was.
 #pragma once
 
 #include <algorithm>
@@ -100,10 +101,12 @@ class CpuWarp {
                       const std::type_identity_t<std::array<Channel, 4>>& border = {}) {
     const CpuWarpProblem problem = problem_of(lattice, warp, source, target);
     if (problem != CpuWarpProblem::none) return problem;
-    if (!lines_.prepare(warp, lattice.is_linear())) return CpuWarpProblem::not_finite;
+    const bool by_depth = warp.depth() != nullptr;
+    if (!by_depth && !lines_.prepare(warp, lattice.is_linear())) return CpuWarpProblem::not_finite;
     detail::WarpFrame<Channel> frame;
     frame.lattice = &lattice;
     frame.lines = &lines_;
+    frame.by_depth = by_depth ? &warp : nullptr;
     frame.source = {source.data, source.stride, source.width, source.height, border};
     frame.target = target;
     frame.positions = detail::position_kernels(vectors_);

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <limits>
 
+#include <holdfast/deflection/composed_warp.hpp>
 #include <holdfast/deflection/detail/lens_cells.hpp>
 #include <holdfast/deflection/detail/scan_lines.hpp>
 #include <holdfast/deflection/detail/warp_kernels.hpp>
@@ -48,12 +49,25 @@ inline void locate(const WarpLattice& lattice, const ScanLines& lines, const Pos
   }
 }
 
+/// The same by depth: each pixel is searched, as ComposedWarp defines it.
+inline void search(const ComposedWarp& warp, Color color, const TargetPixels& pixels, WarpRun& run) {
+  for (int i = 0; i < run_pixels; ++i) {
+    run.x[i] = run.y[i] = std::numeric_limits<float>::quiet_NaN();
+    if (i >= pixels.count) continue;  // vectors read the run to its end
+    const SourceSample found = warp.sample(Vector2(pixels.x + i + 0.5, pixels.y + 0.5), color);
+    if (found.state != SourceState::covered && found.state != SourceState::disoccluded) continue;
+    run.x[i] = static_cast<float>(found.pixel.x() - 0.5);  // texels count from their centres
+    run.y[i] = static_cast<float>(found.pixel.y() - 0.5);
+  }
+}
+
 template <typename Channel>
 struct WarpFrame {
   static constexpr int tile_rows = 16;  ///< of run_pixels columns: source and target stay in the nearest cache
 
   const WarpLattice* lattice = nullptr;
   const ScanLines* lines = nullptr;
+  const ComposedWarp* by_depth = nullptr;  ///< set: places are searched in its depth, and the lines not used
   WarpSource<Channel> source;
   PictureSpan<Channel> target;
   PositionKernels positions;
@@ -79,16 +93,21 @@ struct WarpFrame {
       draw_colors(x, y, row);
     } else {
       WarpRun run;
-      locate(*lattice, *lines, positions, Color::green, {x, y, row.count}, run);
+      find(Color::green, {x, y, row.count}, run);
       sample(source, run, row);
     }
+  }
+
+  void find(Color color, const TargetPixels& pixels, WarpRun& run) const {
+    if (by_depth != nullptr) return search(*by_depth, color, pixels, run);
+    locate(*lattice, *lines, positions, color, pixels, run);
   }
 
   /// Every colour from its own place.
   void draw_colors(int x, int y, const WarpRow<Channel>& row) const {
     ColorRuns runs;
     for (int c = 0; c < 3; ++c) {
-      locate(*lattice, *lines, positions, static_cast<Color>(c), {x, y, row.count}, runs.of[c]);
+      find(static_cast<Color>(c), {x, y, row.count}, runs.of[c]);
     }
     if (sample_colors != nullptr) {
       sample_colors(source, runs, row);

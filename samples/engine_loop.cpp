@@ -3,7 +3,7 @@
 // the same figures: swim and registration error with the stages switched on one after another, and with each switched
 // off alone. The left eye of some frames is really drawn, warped and measured, to hold the figures against pictures.
 //   sample_engine_loop [--motion M5] [--seconds 4] [--draw-every 120] [--log FILE] [--check]
-//   sample_engine_loop --live SECONDS
+//   sample_engine_loop --live SECONDS [--draw-every 0]
 // --draw-every 0 draws nothing. --log writes a line of JSON per frame of the last row. --check: exit code 1 if a stage
 // makes things worse, or a picture disagrees. --live: real clock and a tracker's thread; prints each frame's record.
 #include <array>
@@ -188,9 +188,9 @@ Figures simulate(const Row& row, const HmdModel& hmd, const Motion& motion, cons
   return figures;
 }
 
-/// The loop by the clock on the wall, with the tracker on a thread of its own; prints each frame's record. Software that
-/// draws with the processor misses scan-outs: the records say so.
-void run_live(const HmdModel& hmd, const Motion& motion, double seconds, rendering::Context& context) {
+/// The loop by the clock on the wall, with the tracker on a thread of its own; prints each frame's record. Drawn by the
+/// processor, pictures miss their scan-outs, which the records tell; without context nothing is drawn, and none misses.
+void run_live(const HmdModel& hmd, const Motion& motion, double seconds, rendering::Context* context) {
   const auto start = std::chrono::steady_clock::now();
   const auto now = [&] { return HostTime(std::chrono::steady_clock::now() - start); };
   LatestPose latest;
@@ -205,19 +205,26 @@ void run_live(const HmdModel& hmd, const Motion& motion, double seconds, renderi
   const Row row{"live", {}, DeflectionKind::rotation};
   FrameLoop loop(hmd, source, settings_of(row));
   std::vector<EyeRenderer> eyes;
-  eyes.reserve(2);
   for (const EyeSide side : {EyeSide::left, EyeSide::right}) {
-    eyes.emplace_back(context, scene(), hmd.eye(side), loop.picture(side), loop.lens_mode());
+    if (context != nullptr) eyes.emplace_back(*context, scene(), hmd.eye(side), loop.picture(side), loop.lens_mode());
   }
+  const auto drawn = [&](const Frame& frame, EyeSide side) {
+    const EyeView& view = frame.eye(side);
+    if (eyes.empty()) return Picture(view.rendered_view(), nullptr);
+    return eyes[index_of(side)].draw(view, rendering::virtual_style());
+  };
   while (now() < time_at(seconds)) {
     Frame frame = loop.begin_frame(now());
+    std::this_thread::sleep_until(start + (frame.plan.render_start - microseconds(200)).time_since_epoch());
     const LateLatch latch = loop.late_latch(frame, now());
-    const Picture left = eyes[0].draw(frame.eye(EyeSide::left), rendering::virtual_style());
-    const Picture right = eyes[1].draw(frame.eye(EyeSide::right), rendering::virtual_style());
+    const Picture left = drawn(frame, EyeSide::left), right = drawn(frame, EyeSide::right);
+    std::this_thread::sleep_until(start + (frame.deadline - milliseconds(2)).time_since_epoch());
     const FrameDeflection late = loop.deflect(left, right, now());
-    eyes[0].panel(left, late.eye(EyeSide::left), row.kind, hmd.timing);
-    eyes[1].panel(right, late.eye(EyeSide::right), row.kind, hmd.timing);
-    context.gl().Finish();
+    for (EyeRenderer& eye : eyes) {
+      const std::size_t i = &eye == eyes.data() ? 0 : 1;
+      eye.panel(i == 0 ? left : right, late.eyes[i], row.kind, hmd.timing);
+    }
+    if (context != nullptr) context->gl().Finish();
     write(stdout, frame_log(frame, &latch, &late));
   }
   stop = true;
@@ -280,7 +287,7 @@ int print(const std::vector<Row>& all, const std::vector<std::array<Figures, 2>>
 [[noreturn]] void usage(const std::string& problem) {
   std::fprintf(stderr,
                "sample_engine_loop: %s\nusage: sample_engine_loop [--motion M0..M8] [--seconds S] [--draw-every N] "
-               "[--log FILE] [--check] | --live SECONDS\n",
+               "[--log FILE] [--check] [--live SECONDS]\n",
                problem.c_str());
   std::exit(2);
 }
@@ -332,9 +339,9 @@ int main(int argc, char** argv) {
   hmds[1].timing.scan_duration = microseconds(11100);
 
   std::unique_ptr<rendering::Context> context;
-  if (options.draw_every > 0 || options.live_seconds > 0.0) context = rendering::make_context();
+  if (options.draw_every > 0) context = rendering::make_context();
   if (options.live_seconds > 0.0) {
-    run_live(hmds[1], *motion, options.live_seconds, *context);
+    run_live(hmds[1], *motion, options.live_seconds, context.get());
     return 0;
   }
   std::FILE* log = options.log.empty() ? nullptr : std::fopen(options.log.c_str(), "w");

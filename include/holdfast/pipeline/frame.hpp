@@ -42,7 +42,7 @@ struct Frame {
 
 /// What late latching changed.
 struct LateLatch {
-  Duration fresher{0};  ///< the measurement is newer by this
+  Duration fresher{0};  ///< the measurement is newer by this than the one of begin_frame
   Angle turned;         ///< of the head's predicted pose
   double moved_m = 0.0;
   FrameIssues issues;  ///< of this stage
@@ -53,7 +53,8 @@ struct EyeDeflection {
   LatePoses late;               ///< where the eye will be at the scan's begin and end
   DeflectionResult deflection;  ///< H_SE, X_SE
   SourceMatrices source;        ///< for shaders: the picture's (u, v, 1) ~ M(s) (t_E, 1)
-  double lacking = 0.0;         ///< tangent by which the view reaches beyond the picture; <= 0: covered
+  double lacking =
+      0.0;  ///< tangent by which the view reaches beyond the picture (by depth: of what is far); <= 0: covered
 };
 
 /// Both eyes' late correction for one scan-out.

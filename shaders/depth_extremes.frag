@@ -1,6 +1,7 @@
 #version 450 core
-// The greatest of each block of 16 x 16 texels. Drawn again and again, it leaves one texel: the greatest inverse distance of a picture
-// and its greatest step. Their sum bounds where a search must begin (depth_search.frag), for the picture and for each block.
+// The greatest of each block of 16 x 16 texels. Drawn again and again, it leaves one texel: the greatest inverse distance of a
+// picture and its greatest step. Their sum bounds where a search must begin (depth_search.frag), for the picture and for each
+// block.
 layout(binding = 0) uniform sampler2D values;
 layout(location = 0) out vec2 greatest;
 

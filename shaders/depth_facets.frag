@@ -1,8 +1,9 @@
 #version 450 core
 // From a depth buffer to the surface that it describes: a flat facet per pixel, in inverse distance w = 1 / z over the picture,
-// where planes stay flat. A facet is linked to a neighbour when w changes little between them (by link_tolerance of the nearer), or
-// as it did just before or does just after; else an edge lies between them. holdfast/deflection/depth_surface.hpp is the same on the
-// CPU. Draw one triangle over a target of the depth buffer's size (full_screen.vert), with two colour attachments of 32-bit floats.
+// where planes stay flat. A facet is linked to a neighbour when w changes little between them (by link_tolerance of the nearer),
+// or as it did just before or does just after; else an edge lies between them. holdfast/deflection/depth_surface.hpp is the same
+// on the CPU. Draw one triangle over a target of the depth buffer's size (full_screen.vert), with two colour attachments of
+// 32-bit floats.
 //   inverse_distance  w = x + y * value of the depth buffer. With P the projection that filled it: depth 0..1 made of clip
 //                     space -1..1: ((P22 - 1) / P23, 2 / P23); of clip space 0..1, also turned round: (P22 / P23, 1 / P23)
 //   nothing           the value to which the buffer was cleared: nothing was drawn there, w = 0

@@ -1,9 +1,9 @@
 #version 450 core
 // Late warp by depth, forward, second step: two triangles for each four neighbouring pixels of the depth buffer, drawn where
-// depth_place.frag says. Draw 6 (width - 1) (height - 1) vertices without data as triangles, with depth test (less) and depth writing,
-// cleared to 1. Where the surface goes on they are solid; where an edge cuts it they bridge from the nearer thing to the farther. A
-// bridge that is stretched to more than stretch_limit times its area shows what was hidden: disoccluded; one that turned its back is
-// hidden by what moved over it, and left out.
+// depth_place.frag says. Draw 6 (width - 1) (height - 1) vertices without data as triangles, with depth test (less) and depth
+// writing, cleared to 1. Where the surface goes on they are solid; where an edge cuts it they bridge from the nearer thing to the
+// farther. A bridge that is stretched to more than stretch_limit times its area shows what was hidden: disoccluded; one that
+// turned its back is hidden by what moved over it, and left out.
 layout(binding = 1) uniform sampler2D facets;
 layout(binding = 2) uniform sampler2D vertices;  // of depth_place.frag
 layout(binding = 3) uniform sampler2D tangents;

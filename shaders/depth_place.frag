@@ -1,12 +1,12 @@
 #version 450 core
 // Late warp by depth, forward, first step: where each pixel of the rendered picture is to be drawn. Draw one triangle
-// (full_screen.vert) over a target of the depth buffer's size with two colour attachments of 32-bit floats; depth_mesh.* is the second
-// step. holdfast/deflection/depth_mesh.hpp is the same on the CPU. A vertex is a pixel's centre, those of the border moved out to the
-// picture's edge. Its line depends on where it is drawn, and that on its line: a few steps agree.
+// (full_screen.vert) over a target of the depth buffer's size with two colour attachments of 32-bit floats; depth_mesh.* is the
+// second step. holdfast/deflection/depth_mesh.hpp is the same on the CPU. A vertex is a pixel's centre, those of the border moved
+// out to the picture's edge. Its line depends on where it is drawn, and that on its line: a few steps agree.
 //   facets            of depth_facets.frag
-//   places            one layer per colour: for a tangent t_E of the displayed eye, (xy) the place on the panel that shows it, and (zw)
-//                     where to draw that: the same, or where the eye sees it; above 1e9 where there is none. Texel = (t_E - xy) * zw of
-//   place_of_tangent
+//   places            one layer per colour: for a tangent t_E of the displayed eye, (xy) the place on the panel that shows it, and
+//                     (zw) where to draw that: the same, or where the eye sees it; above 1e9 where there is none
+//   place_of_tangent  texel of `places` = (t_E - xy) * zw
 //   layer             of the colour
 //   the others        as in depth_search.frag
 layout(binding = 1) uniform sampler2D facets;
@@ -17,7 +17,8 @@ uniform vec4 depth_of_tangent;
 uniform vec4 place_of_tangent;
 uniform vec3 line_of_place;
 uniform int layer;
-layout(location = 0) out vec4 vertex;   // where to draw it, inverse distance from the displayed eye, 1 / w's ratio; that is 0: nowhere
+layout(location = 0) out vec4 vertex;   // where to draw it (xy), inverse distance from the displayed eye, weight of its place in the
+                                        // rendered picture (0: it is drawn nowhere)
 layout(location = 1) out vec2 tangent;  // t_E
 
 // Interpolated by hand: hardware does so with 8 bits.

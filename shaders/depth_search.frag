@@ -1,10 +1,10 @@
 #version 450 core
 // Late warp by depth, backward: the ray of each pixel is followed through the surface of the rendered picture's depth
-// (depth_facets.frag), lens and scan lines included. holdfast/deflection/depth_search.hpp is the same on the CPU and says why.
-// In the rendered picture the ray appears at inverse distance w at t_S(w) = t_inf + w (o.xy + o.z t_inf), a straight line: it is walked
-// pixel by pixel, w falling from that of the nearest thing to 0. It ends where it passes from before a linked surface to behind it.
-// Where it passes behind an edge instead, it is hidden from the rendering eye; if it ends so, the pixel is disoccluded, and shows the
-// farthest surface beside such an edge.
+// (depth_facets.frag), lens and scan lines included. holdfast/deflection/depth_search.hpp is the same on the CPU and says why. In
+// the rendered picture the ray appears at inverse distance w at t_S(w) = t_inf + w (o.xy + o.z t_inf), a straight line: it is
+// walked pixel by pixel, w falling from that of the nearest thing to 0. It ends where it passes from before a linked surface to
+// behind it. Where it passes behind an edge instead, it is hidden from the rendering eye; if it ends so, the pixel is
+// disoccluded, and shows the farthest surface beside such an edge.
 //   picture           linear filter, clamped to its edge
 //   facets            of depth_facets.frag
 //   greatest, blocks  of depth_extremes.frag: its last texel, and the texels of its first step
@@ -13,8 +13,8 @@
 //   position          o(s) = [0] + s [1]: of the displayed eye, in the rendering eye's frame, m
 //   depth_of_tangent  pixel of the depth buffer = (t_S - xy) * zw
 //   line_of_place     as in late_warp.vert, of the panel
-// Define PER_COLOUR for a lens that bends colours differently: else green's search serves all three.
-// Alpha: 1 covered, 1/2 disoccluded, 0 (and black) not in the rendered picture, or beyond the panel's edge; of three colours the worst.
+// Define PER_COLOUR for a lens that bends colours differently: else green's search serves all three. Alpha: 1 covered, 1/2
+// disoccluded, 0 (and black) not in the rendered picture, or beyond the panel's edge; of three colours the worst.
 noperspective in vec4 red, green, blue;
 layout(binding = 0) uniform sampler2D picture;
 layout(binding = 1) uniform sampler2D facets;

@@ -1,6 +1,6 @@
 #version 450 core
-// Late warp by depth, backward; with depth_search.frag, which explains it. The mesh is that of late_warp.vert: draw it over the panel's
-// picture, with panel_* = place; or a mesh over the picture that the eye sees, with panel_* the place that is seen there.
+// Late warp by depth, backward; with depth_search.frag, which explains it. The mesh is that of late_warp.vert: draw it over the
+// panel's picture, with panel_* = place; or a mesh over the picture that the eye sees, with panel_* the place that is seen there.
 layout(location = 0) in vec2 place;
 layout(location = 1) in vec2 tangent_red;
 layout(location = 2) in vec2 tangent_green;

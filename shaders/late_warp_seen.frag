@@ -1,6 +1,6 @@
 #version 450 core
-// See late_warp_seen.vert. Black, with alpha 0, where the eye sees past the panel, or the panel shows a place that was not rendered, in
-// any colour.
+// See late_warp_seen.vert. Black, with alpha 0, where the eye sees past the panel, or the panel shows a place that was not
+// rendered, in any colour.
 noperspective in vec3 source_red, source_green, source_blue;
 noperspective in vec2 from_middle_red, from_middle_green, from_middle_blue;
 layout(binding = 0) uniform sampler2D picture;

@@ -1,3 +1,5 @@
+#include <limits>
+#include <map>
 #include <numbers>
 
 #include <doctest/doctest.h>
@@ -305,6 +307,12 @@ TEST_CASE("empty meshes, foreign vertices and pictures of another size are refus
   PredistortionMesh wrong = grid_mesh(eye, LensMode::none, 2, 2);
   wrong.triangles[4] = 99;
   CHECK_THROWS_WITH_AS(WarpMesh(*context, wrong), "a warp mesh names vertex 99 of 9", RenderingError);
+  for (const float value : {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN(), 7.0f}) {
+    wrong = grid_mesh(eye, LensMode::none, 2, 2);
+    wrong.vertices[3].panel_x = value;
+    CHECK_THROWS_WITH_AS(WarpMesh(*context, wrong), "vertex 3 of a warp mesh is not finite, or not on the panel",
+                         RenderingError);
+  }
 
   const LateWarpPass pass(*context);
   const WarpMesh mesh(*context, grid_mesh(eye, LensMode::none, 2, 2));
@@ -314,4 +322,6 @@ TEST_CASE("empty meshes, foreign vertices and pictures of another size are refus
                        "a picture of 32 x 36 pixels where its view says 64 x 36", RenderingError);
   CHECK_THROWS_WITH_AS(pass.draw(RenderedPicture<RenderTarget*>(view, &source), mesh, {}, global_display, other),
                        "a picture of 32 x 36 pixels where the mesh says 64 x 36", RenderingError);
+  CHECK_THROWS_WITH_AS(pass.draw(RenderedPicture<RenderTarget*>(view, &source), mesh, {}, global_display, source),
+                       "a picture cannot be warped onto itself", RenderingError);
 }

@@ -45,8 +45,7 @@ class DepthMeshPass {
   void draw(const RenderedPicture<RenderTarget*>& source, const DepthSurfaceTexture& surface, const PlaceTable& places,
             const ScanPose& X_SE, const DisplayTiming& timing, RenderTarget& result) const {
     RenderTarget& picture = *source.picture();
-    detail::require_size(picture, source.view().size, "its view");
-    detail::require_size(result, places.resolution(), "the table of places");
+    detail::require_pictures(source, result, places.resolution(), "the table of places");
     detail::require_same_view(source.view(), surface.view());
     if (surface.size() != PixelSize{vertices_.width, vertices_.height})
       throw RenderingError("a depth mesh for another size than the surface's");

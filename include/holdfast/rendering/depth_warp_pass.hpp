@@ -69,8 +69,7 @@ class DepthWarpPass {
   void draw(const RenderedPicture<RenderTarget*>& source, const DepthSurfaceTexture& surface, const WarpMesh& mesh,
             const ScanPose& X_SE, const DisplayTiming& timing, RenderTarget& result) const {
     RenderTarget& picture = *source.picture();
-    detail::require_size(picture, source.view().size, "its view");
-    detail::require_size(result, mesh.resolution(), "the mesh");
+    detail::require_pictures(source, result, mesh.resolution(), "the mesh");
     detail::require_same_view(source.view(), surface.view());
     picture.resolve();
     result.clear({0, 0, 0, 0});

@@ -36,6 +36,15 @@ inline void require_size(const RenderTarget& target, PixelSize size, const char*
                        std::to_string(size.height));
 }
 
+/// What every late warp demands of its pictures.
+inline void require_pictures(const RenderedPicture<RenderTarget*>& source, const RenderTarget& result,
+                             PixelSize result_size, const char* whose) {
+  HOLDFAST_ASSERT(source.picture() != nullptr, "a rendered picture has a target");
+  require_size(*source.picture(), source.view().size, "its view");
+  require_size(result, result_size, whose);
+  if (source.picture() == &result) throw RenderingError("a picture cannot be warped onto itself");
+}
+
 }  // namespace detail
 
 class LateWarpPass {
@@ -50,8 +59,7 @@ class LateWarpPass {
   void draw(const RenderedPicture<RenderTarget*>& source, const WarpMesh& mesh, const ScanHomography& H_SE,
             const DisplayTiming& timing, RenderTarget& result) const {
     RenderTarget& picture = *source.picture();
-    detail::require_size(picture, source.view().size, "its view");
-    detail::require_size(result, mesh.resolution(), "the mesh");
+    detail::require_pictures(source, result, mesh.resolution(), "the mesh");
     picture.resolve();
     result.clear({0, 0, 0, 0});
     const GlFunctions& gl = context_->gl();

@@ -5,7 +5,7 @@
 /// of which interpolation knows nothing: edges longer than `longest_edge` of the panel are therefore halved, on both
 /// sides alike, so that no gap opens. At 1/32, a turn of 200 deg/s during 11.1 ms leaves about 0.01 px of 1280
 /// (scan_error_px in deflection/deflected_mesh.hpp tells it). Bad input: an empty mesh, or one that names vertices it
-/// has not, throws RenderingError.
+/// has not, or whose vertices are not finite or not on the panel, throws RenderingError.
 #pragma once
 
 #include <algorithm>
@@ -94,6 +94,30 @@ inline void require_triangles(std::size_t vertices, std::span<const std::uint32_
                          std::to_string(resolution.height) + " pixels");
 }
 
+[[nodiscard]] inline bool is_finite(float x, float y, const float (&pairs)[3][2]) {
+  bool finite = std::isfinite(x) && std::isfinite(y);
+  for (const auto& pair : pairs) finite = finite && std::isfinite(pair[0]) && std::isfinite(pair[1]);
+  return finite;
+}
+
+/// Halving edges comes to an end only for vertices on the panel.
+inline void require_on_panel(std::span<const PredistortionVertex> vertices) {
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const PredistortionVertex& v = vertices[i];
+    const bool on_panel = v.panel_x >= 0.0f && v.panel_x <= 1.0f && v.panel_y >= 0.0f && v.panel_y <= 1.0f;
+    if (!on_panel || !is_finite(v.panel_x, v.panel_y, v.tangent))
+      throw RenderingError("vertex " + std::to_string(i) + " of a warp mesh is not finite, or not on the panel");
+  }
+}
+
+inline void require_finite(std::span<const SeenVertex> vertices) {
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const SeenVertex& v = vertices[i];
+    if (!is_finite(v.seen_x, v.seen_y, v.tangent) || !is_finite(0.0f, 0.0f, v.panel))
+      throw RenderingError("vertex " + std::to_string(i) + " of a warp mesh is not finite");
+  }
+}
+
 }  // namespace detail
 
 class WarpMesh {
@@ -104,6 +128,7 @@ class WarpMesh {
       : WarpMesh(context, Kind::panel, mesh.per_color, mesh.resolution) {
     if (!mesh.ok()) throw RenderingError("no predistortion mesh: " + std::string(describe(mesh.problem)));
     detail::require_triangles(mesh.vertices.size(), mesh.triangles, mesh.resolution);
+    detail::require_on_panel(mesh.vertices);
     HOLDFAST_ASSERT(longest_edge > 0.0, "edges have a length");
     std::vector<PredistortionVertex> vertices = mesh.vertices;
     std::vector<std::uint32_t> triangles = mesh.triangles;
@@ -118,6 +143,7 @@ class WarpMesh {
   }
   WarpMesh(Context& context, const SeenMesh& mesh) : WarpMesh(context, Kind::seen, mesh.per_colour, mesh.resolution) {
     detail::require_triangles(mesh.vertices.size(), mesh.triangles, mesh.resolution);
+    detail::require_finite(mesh.vertices);
     upload(std::as_bytes(std::span(mesh.vertices)), sizeof(SeenVertex), mesh.triangles);
     attribute(0, offsetof(SeenVertex, seen_x));
     for (GLuint c = 0; c < 3; ++c) {

@@ -293,3 +293,55 @@ TEST_CASE("a surface without a depth image shows nothing") {
   const ComposedWarp warp(eye, LensMode::none, DisplayTiming{}, wide_view({64, 48}), search);
   CHECK(coverage(warp).not_seen == coverage(warp).directions);
 }
+
+TEST_CASE("directions that are no numbers have no source") {
+  const RenderedView view = wide_view({64, 48});
+  DepthSurface surface;
+  REQUIRE(surface.update(view, test::room().depth_image(view)) == DepthProblem::none);
+  const DepthSearch search(surface, ScanPose({}, LatePoses::at_once(Rigid::translation(Vector3(0.01, 0, 0)))));
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    CHECK_FALSE(search.source(Vector2(bad, 0.0), 0.5).has_value());
+    CHECK_FALSE(search.source(Vector2(0.0, bad), 0.5).has_value());
+  }
+}
+
+TEST_CASE("left and right mirror by depth too; a mirrored picture shows the same") {
+  const RenderedView view = wide_view({160, 120});
+  const DepthImage depth = test::room().depth_image(view);
+  DepthImage reversed = depth;
+  for (int y = 0; y < 120; ++y) {
+    for (int x = 0; x < 160; ++x) reversed.distance_m[static_cast<std::size_t>(y * 160 + x)] = depth.at(159 - x, y);
+  }
+  RenderedView other_view = view, turned_over = view;
+  other_view.tangents = mirrored(view.tangents);
+  std::swap(turned_over.tangents.left, turned_over.tangents.right);
+  DepthSurface surface, other, over;
+  REQUIRE(surface.update(view, depth) == DepthProblem::none);
+  REQUIRE(other.update(other_view, reversed) == DepthProblem::none);
+  REQUIRE(over.update(turned_over, reversed) == DepthProblem::none);
+  const auto mirrored_pose = [](const Rigid& X) {
+    return Rigid(Quaternion(X.q().w(), X.q().x(), -X.q().y(), -X.q().z()), Vector3(-X.p().x(), X.p().y(), X.p().z()));
+  };
+  test::Random random(804);
+  int covered = 0, disoccluded = 0;
+  for (int i = 0; i < 200; ++i) {
+    const LatePoses late{random.pose(0.03, 0.05), random.pose(0.03, 0.05)};
+    const DepthSearch search(surface, ScanPose({}, late)), over_search(over, ScanPose({}, late));
+    const DepthSearch other_search(other, ScanPose({}, {mirrored_pose(late.X_WE_begin), mirrored_pose(late.X_WE_end)}));
+    for (int k = 0; k < 10; ++k) {
+      const Vector2 t_E(random.uniform(-0.5, 0.5), random.uniform(-0.35, 0.35));
+      const double s = random.uniform(0, 1);
+      const auto a = search.source(t_E, s), b = other_search.source(Vector2(-t_E.x(), t_E.y()), s);
+      const auto c = over_search.source(t_E, s);
+      REQUIRE((a && b && c));
+      covered += a->state == SourceState::covered ? 1 : 0;
+      disoccluded += a->state == SourceState::disoccluded ? 1 : 0;
+      CHECK(a->state == b->state);
+      CHECK(a->state == c->state);
+      CHECK((Vector2(-a->t_S.x(), a->t_S.y()) - b->t_S).norm() < 1e-12);
+      CHECK((a->t_S - c->t_S).norm() < 1e-12);
+    }
+  }
+  CHECK(covered > 1500);
+  CHECK(disoccluded > 20);
+}

@@ -216,6 +216,7 @@ inline std::optional<DepthSource> DepthSearch::source(const Vector2& t_E, double
   const Vector2 scale = surface_->pixels_per_tangent();
   const deflection_detail::EpipolarLine line{surface_->pixel_of_tangent(t_infinite), scale.cwiseProduct(per_w),
                                              nearest_w};
+  if (!line.at_infinity.allFinite() || !line.per_w.allFinite()) return std::nullopt;
   return deflection_detail::EpipolarWalk(*surface_, line).run();
 }
 

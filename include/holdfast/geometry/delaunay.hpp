@@ -4,8 +4,9 @@
 /// point (to rounding: points nearly on one circle may be joined either way). It is valid whatever the points: exact
 /// orientation tests (predicates.hpp) keep every triangle counter-clockwise, collinear and cocircular points included.
 /// Points are added in the order of x, each joined to the hull edges it sees; edges are then flipped while that is
-/// surely an improvement (Lawson 1977), which comes to an end. Typical time n log n plus the flips. Unit: any.
-/// Coordinates below 1e-120 count as 0. Bad input: the result names the problem and the points.
+/// surely an improvement (Lawson 1977), which comes to an end. Typical time n log n plus the flips. Unit: any in which
+/// the points are 1e-60 to 1e70 apart (beyond, products under- or overflow and few edges are flipped); coordinates
+/// below 1e-120 count as 0. Bad input: the result names the problem and the points.
 #pragma once
 
 #include <algorithm>
@@ -33,7 +34,7 @@ struct Triangulation {
 enum class DelaunayProblem {
   none,
   too_few_points,   ///< fewer than three
-  not_finite,       ///< a coordinate is NaN, infinite or beyond 1e100
+  not_finite,       ///< a coordinate is NaN, infinite or beyond 1e70
   duplicate_point,  ///< two points are the same
   collinear,        ///< all points lie on one line
 };
@@ -45,7 +46,7 @@ enum class DelaunayProblem {
     case DelaunayProblem::too_few_points:
       return "fewer than three points";
     case DelaunayProblem::not_finite:
-      return "a coordinate is not a finite number, or beyond 1e100";
+      return "a coordinate is not a finite number, or beyond 1e70";
     case DelaunayProblem::duplicate_point:
       return "two points are the same";
     case DelaunayProblem::collinear:
@@ -214,7 +215,7 @@ class DelaunayBuilder {
   }
   std::vector<Vector2> rounded(points.begin(), points.end());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!(std::abs(points[i].x()) <= 1e100 && std::abs(points[i].y()) <= 1e100)) {
+    if (!(std::abs(points[i].x()) <= 1e70 && std::abs(points[i].y()) <= 1e70)) {
       result.problem = DelaunayProblem::not_finite;
       result.point = i;
       return result;

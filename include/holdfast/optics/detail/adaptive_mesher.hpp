@@ -55,8 +55,8 @@ class AdaptiveMesher {
   [[nodiscard]] double worst_px() const { return *std::max_element(error_px_.begin(), error_px_.end()); }
 
  private:
-  /// Edges shorter than this, in panel pixels, are not cut: nothing that is drawn would change.
-  static constexpr double shortest_edge_px = 0.25;
+  /// Edges shorter than this, in panel pixels, are not cut. Kinks may need shorter ones.
+  [[nodiscard]] double shortest_edge_px() const { return looker_.map().is_smooth() ? 0.25 : 0.0625; }
   /// Along longer ones a border is not looked for with care.
   static constexpr double longest_border_edge_px = 32.0;
 
@@ -82,7 +82,7 @@ class AdaptiveMesher {
       const TriangleError error = error_of_pieces(looker_, corner, static_cast<int>(lattice_.pieces()));
       if (!error.hole) {
         error_px_[t] = error.px;
-        return error.px > limit_ && length_px > shortest_edge_px * lattice_.pieces();
+        return error.px > limit_ && length_px > shortest_edge_px() * lattice_.pieces();
       }
     }
     return is_a_piece_too_coarse(corner, error_px_[t]);
@@ -107,7 +107,7 @@ class AdaptiveMesher {
       const double length_px = looker_.pixels_between(piece[0], piece[1]).norm();
       const bool is_bad = shown.is_cut() ? is_bad_at_border(piece, shown, length_px, worst_px)
                                          : is_bad_inside(piece, shown.count == 0, worst_px);
-      too_coarse = is_bad && length_px > shortest_edge_px;
+      too_coarse = is_bad && length_px > shortest_edge_px();
     });
     return too_coarse;
   }

@@ -380,6 +380,26 @@ TEST_CASE("what OSVR can say is written, and means the same when it is read agai
   }
 }
 
+TEST_CASE("meshes for each colour, and every display mode, are written too") {
+  const auto colour = [](const char* name, double shift) {
+    return "\"" + std::string(name) + "_point_samples\": [" + mesh(shift) + "," + mesh(-shift) + "]";
+  };
+  const HmdModel a =
+      read(distorted("{" + colour("red", 0.1) + "," + colour("green", 0.05) + "," + colour("blue", 0.05) + "}"));
+  for (const auto mode : {io::OsvrDisplayMode::side_by_side, io::OsvrDisplayMode::one_above_the_other,
+                          io::OsvrDisplayMode::full_screen}) {
+    const io::OsvrHmd back = io::parse_osvr(io::osvr_json(a, mode).text, "back", nothing_beside);
+    CHECK(back.display_mode == mode);
+    CHECK(back.hmd.left.resolution == a.left.resolution);
+    CHECK(back.hmd.right.lens_red.has_value());
+    CHECK_FALSE(back.hmd.right.lens_blue.has_value());
+    for (const Color color : {Color::red, Color::green, Color::blue}) {
+      const Vector2 t(0.2, -0.3);
+      CHECK((*back.hmd.right.lens_of(color).distort(t) - *a.right.lens_of(color).distort(t)).norm() < 1e-13);
+    }
+  }
+}
+
 TEST_CASE("our other radial lenses become OSVR polynomials too") {
   HmdModel hmd = default_hmd();
   hmd.left.lens = Lens(PolynomialLens(std::vector<double>{0.2, 0.1}), placed_at(0.7));

@@ -4,6 +4,8 @@
 
 #include <doctest/doctest.h>
 
+#include <holdfast/deflection/coverage.hpp>
+
 #include "pipeline/pipeline_heads.hpp"
 
 using namespace holdfast;
@@ -107,6 +109,37 @@ TEST_CASE("a picture covers the view within its budget, and lacks what lies beyo
     CHECK(picture.size.width ==
           doctest::Approx(1280 * (picture.tangents.right - picture.tangents.left) / 1.5).epsilon(1e-3));
   }
+}
+
+TEST_CASE("what the outline says of covered views, a grid over the whole view confirms") {
+  std::mt19937 random(17);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  int covered = 0, lacking = 0;
+  for (int i = 0; i < 60; ++i) {
+    HmdModel hmd = rolling_hmd(scan_directions[std::size_t(i) % 4]);
+    EyeModel& eye = hmd.left;
+    eye.upside_down = i % 3 == 0;
+    eye.tangents = {-0.8 + 0.2 * unit(random), 0.7 + 0.2 * unit(random), -0.6 + 0.1 * unit(random),
+                    0.5 + 0.1 * unit(random)};
+    const LensMode lens = i % 2 == 0 ? LensMode::none : LensMode::exact;
+    const FieldOutline outline(eye, lens, hmd.timing);
+    const EyePicture picture = *overfilled_picture(eye, outline, {degrees(3.0), degrees(3.0), degrees(3.0)});
+    const RenderedView view{Rigid(), picture.tangents, picture.size, HostTime{}};
+    const auto late = [&] {
+      return Rigid::rotation(so3::exp<double>(Vector3(0.12 * unit(random), 0.12 * unit(random), 0.12 * unit(random))));
+    };
+    const DeflectionResult deflection = deflect(DeflectionSettings{}, view, {late(), late()});
+    const double beyond = outline.lacking(picture.tangents, deflection.H_SE);
+    const Coverage grid = coverage(ComposedWarp(eye, lens, hmd.timing, view, deflection.H_SE));
+    CAPTURE(i);
+    CAPTURE(beyond);
+    if (beyond <= 0.0) CHECK(grid.outside == 0);
+    // The outermost directions of the grid lie half a cell, 0.006, inside the outline.
+    if (lens == LensMode::none && beyond > 0.03) CHECK(grid.outside > 0);
+    ++(beyond <= 0.0 ? covered : lacking);
+  }
+  CHECK(covered > 10);
+  CHECK(lacking > 10);
 }
 
 TEST_CASE("an eye whose lens shows nothing has no outline and no picture") {

@@ -110,19 +110,23 @@ class ComposedWarp {
   /// The panel pixel that shows a source pixel: the inverse of source_pixel (by depth: if nothing hides it).
   [[nodiscard]] std::optional<Vector2> panel_pixel(const Vector2& source_pixel, Color color = Color::green) const {
     const Vector2 t_S = tangent_of_source_pixel(view_, source_pixel);
-    // Where it is shown decides its line, and the line where it is shown. A step shrinks the error by the part of the
-    // picture's height that things move during the scan, usually below a tenth.
-    double s = 0.5;
-    for (int i = 0; i < 64; ++i) {
+    // Where it is shown decides its line, and the line where it is shown: a root of line(s) - s, found by secants. The
+    // slope is -1, but for the part of the picture that things move during the scan, usually below a tenth.
+    double s = 0.5, last_s = 0.0, last_off = 0.0;
+    for (int i = 0; i < 20; ++i) {
       const std::optional<Vector2> t_E = displayed_tangent(t_S, s);
       const auto drawn = t_E ? drawn_tangent(eye_->lens_of(color), mode_, *t_E) : std::nullopt;
       if (!drawn) return std::nullopt;
       const Vector2 panel = pixel_of_tangent(*eye_, *drawn);
-      const double next = line_fraction(panel);
-      if (std::abs(next - s) <= 1e-13 || is_constant()) return panel;
-      s = next;
+      const double off = line_fraction(panel) - s;
+      if (std::abs(off) <= 1e-13 || is_constant()) return panel;
+      const double slope = i == 0 ? -1.0 : (off - last_off) / (s - last_s);
+      if (!(slope < -0.1)) return std::nullopt;  // things move by about the picture's height during the scan
+      last_s = s;
+      last_off = off;
+      s -= off / slope;
     }
-    return std::nullopt;  // moved by more than the picture's height during the scan
+    return std::nullopt;
   }
 
   /// Where the eye sees a source pixel, through the true lens: the inverse of source_pixel_seen.

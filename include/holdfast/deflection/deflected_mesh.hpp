@@ -27,12 +27,10 @@ struct DeflectedVertex {
   friend bool operator==(const DeflectedVertex&, const DeflectedVertex&) = default;
 };
 
-/// Homogeneous source coordinates of one vertex and colour.
-[[nodiscard]] inline Vector3 deflected_source(const PredistortionVertex& vertex, int color, const SourceMatrices& M,
+/// The matrix of a vertex's line; M holds a SourceMatrices' begin, middle and end.
+[[nodiscard]] inline Matrix3 source_matrix_at(const PredistortionVertex& vertex, const ScanHomography& M,
                                               const Vector3& line_coefficients) {
-  const double s = line_coefficients.dot(Vector3(double(vertex.panel_x), double(vertex.panel_y), 1.0));
-  const float* t = vertex.tangent[color];
-  return M.at(s) * Vector3(double(t[0]), double(t[1]), 1.0);
+  return M.at(line_coefficients.dot(Vector3(double(vertex.panel_x), double(vertex.panel_y), 1.0)));
 }
 
 /// Fills `out` with one vertex for each of the mesh's; its triangles stay as they are. Precondition: equal lengths.
@@ -40,12 +38,15 @@ inline void deflect_mesh(const PredistortionMesh& mesh, const SourceMatrices& M,
                          std::span<DeflectedVertex> out) {
   HOLDFAST_ASSERT(out.size() == mesh.vertices.size(), "one deflected vertex for each of the mesh's");
   const Vector3 line = line_fraction_coefficients(timing);
+  const ScanHomography source_of_tangent(M);
   for (std::size_t i = 0; i < out.size(); ++i) {
     const PredistortionVertex& vertex = mesh.vertices[i];
+    const Matrix3 M_line = source_matrix_at(vertex, source_of_tangent, line);
     out[i].panel_x = vertex.panel_x;
     out[i].panel_y = vertex.panel_y;
     for (int color = 0; color < 3; ++color) {
-      const Vector3 source = deflected_source(vertex, color, M, line);
+      const float* t = vertex.tangent[color];
+      const Vector3 source = M_line * Vector3(double(t[0]), double(t[1]), 1.0);
       for (int k = 0; k < 3; ++k) out[i].source[color][k] = static_cast<float>(source[k]);
     }
   }
@@ -56,6 +57,11 @@ inline void deflect_mesh(const PredistortionMesh& mesh, const SourceMatrices& M,
 [[nodiscard]] inline double scan_error_px(const PredistortionMesh& mesh, const SourceMatrices& M,
                                           const DisplayTiming& timing, const PixelSize& source) {
   const Vector3 line = line_fraction_coefficients(timing);
+  const ScanHomography source_of_tangent(M);
+  const auto source_of = [&](const PredistortionVertex& vertex) {
+    const float* t = vertex.tangent[1];
+    return Vector3(source_matrix_at(vertex, source_of_tangent, line) * Vector3(double(t[0]), double(t[1]), 1.0));
+  };
   const auto pixel = [&](const Vector3& uvw) {
     return Vector2(uvw.x() / uvw.z() * source.width, uvw.y() / uvw.z() * source.height);
   };
@@ -68,8 +74,8 @@ inline void deflect_mesh(const PredistortionMesh& mesh, const SourceMatrices& M,
     middle.panel_x = 0.5f * (a.panel_x + b.panel_x);
     middle.panel_y = 0.5f * (a.panel_y + b.panel_y);
     for (int k = 0; k < 2; ++k) middle.tangent[1][k] = 0.5f * (a.tangent[1][k] + b.tangent[1][k]);
-    const Vector3 drawn = deflected_source(a, 1, M, line) + deflected_source(b, 1, M, line);
-    const Vector3 exact = deflected_source(middle, 1, M, line);
+    const Vector3 drawn = source_of(a) + source_of(b);
+    const Vector3 exact = source_of(middle);
     if (drawn.z() > 0.0 && exact.z() > 0.0) worst = std::max(worst, (pixel(drawn) - pixel(exact)).norm());
   }
   return worst;

@@ -82,7 +82,7 @@ inline void fill_triangles(const DepthTarget& target, const DepthMesh& mesh, std
 /// length. `source` is the size of the picture that the samples' pixels count in.
 inline Coverage rasterize(const DepthMesh& mesh, const PixelSize& panel, const PixelSize& source,
                           std::span<SourceSample> samples, std::span<float> nearness) {
-  const std::size_t pixels = static_cast<std::size_t>(panel.width) * static_cast<std::size_t>(panel.height);
+  [[maybe_unused]] const std::size_t pixels = std::size_t(panel.width) * std::size_t(panel.height);
   HOLDFAST_ASSERT(samples.size() == pixels && nearness.size() == pixels, "one sample for each pixel of the panel");
   std::fill(samples.begin(), samples.end(), SourceSample{Vector2::Zero(), SourceState::outside});
   std::fill(nearness.begin(), nearness.end(), -1.0f);

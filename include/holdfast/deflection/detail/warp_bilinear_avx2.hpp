@@ -92,6 +92,7 @@ HOLDFAST_AVX2_INLINE Neighbours8 neighbours_inside(const WarpSource<std::uint8_t
   const __m256i y0 = _mm256_cvttps_epi32(y);
   alignas(32) std::uint32_t at[8];
   store_offsets(at, x0, y0, s.stride);
+  prefetch_ahead(s.data + at[4], 4 * s.stride);
   return {load_pairs(s.data, at), load_pairs(s.data + s.stride, at),
           bilinear_weights(_mm256_sub_ps(x, _mm256_cvtepi32_ps(x0)), _mm256_sub_ps(y, _mm256_cvtepi32_ps(y0)))};
 }

@@ -63,7 +63,7 @@ inline void search(const ComposedWarp& warp, Color color, const TargetPixels& pi
 
 template <typename Channel>
 struct WarpFrame {
-  static constexpr int tile_rows = 16;  ///< of run_pixels columns: source and target stay in the nearest cache
+  static constexpr int tile_rows = 32;  ///< of run_pixels columns: source and target stay in the nearest cache
 
   const WarpLattice* lattice = nullptr;
   const ScanLines* lines = nullptr;

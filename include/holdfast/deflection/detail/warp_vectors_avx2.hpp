@@ -58,6 +58,13 @@ HOLDFAST_AVX2_INLINE void store_offsets(std::uint32_t (&at)[8], __m256i x, __m25
   asm("" : "+m"(at));
 }
 
+/// Asks for what is so many bytes on, which target rows to come will want: processors see a row's beginning too late by
+/// themselves. There need be nothing there.
+HOLDFAST_AVX2_INLINE void prefetch_ahead(const std::uint8_t* pixel, std::ptrdiff_t bytes) {
+  const std::uintptr_t there = reinterpret_cast<std::uintptr_t>(pixel) + static_cast<std::uintptr_t>(bytes);
+  _mm_prefetch(reinterpret_cast<const char*>(there), _MM_HINT_T0);
+}
+
 HOLDFAST_AVX2_INLINE bool is_aligned(const void* p, std::size_t bytes) {
   return (reinterpret_cast<std::uintptr_t>(p) & (bytes - 1)) == 0;
 }

@@ -16,18 +16,12 @@
 
 namespace holdfast::detail {
 
-/// How much larger than found the error may be between the points that were tried, and by the rounding to float.
-/// A kink's error is found to half at least.
-[[nodiscard]] inline double error_margin_of(const PanelMap& map) {
-  return map.is_smooth() ? 1.05 : 2.0;
-}
-
 class AdaptiveMesher {
  public:
   AdaptiveMesher(const PanelLooker& looker, const PixelSize& panel, const AdaptiveMeshOptions& options)
       : looker_(looker),
         options_(options),
-        limit_(options.max_error_px / error_margin_of(looker.map())),
+        limit_(options.max_error_px),
         coarsest_px_(looker.map().has_end() ? std::max(panel.width, panel.height) / 8.0
                                             : std::numeric_limits<double>::infinity()),
         lattice_(pieces(looker.map(), options.max_error_px)),
@@ -55,6 +49,7 @@ class AdaptiveMesher {
   [[nodiscard]] double worst_px() const { return *std::max_element(error_px_.begin(), error_px_.end()); }
 
  private:
+  static constexpr double smooth_margin = 1.05;
   /// Edges shorter than this, in panel pixels, are not cut. Kinks may need shorter ones.
   [[nodiscard]] double shortest_edge_px() const { return looker_.map().is_smooth() ? 0.25 : 0.0625; }
   /// Along longer ones a border is not looked for with care.
@@ -81,8 +76,8 @@ class AdaptiveMesher {
     if (lattice_.pieces() > 1) {
       const TriangleError error = error_of_pieces(looker_, corner, static_cast<int>(lattice_.pieces()));
       if (!error.hole) {
-        error_px_[t] = error.px;
-        return error.px > limit_ && length_px > shortest_edge_px() * lattice_.pieces();
+        error_px_[t] = smooth_margin * error.px;
+        return error_px_[t] > limit_ && length_px > shortest_edge_px() * lattice_.pieces();
       }
     }
     return is_a_piece_too_coarse(corner, error_px_[t]);
@@ -114,10 +109,11 @@ class AdaptiveMesher {
 
   /// A piece whose corners all show something, or none does.
   [[nodiscard]] bool is_bad_inside(const std::array<PanelPoint, 3>& piece, bool is_dark, double& worst_px) const {
-    const TriangleError error = error_of(looker_, piece, limit_);
+    const double margin = error_margin(looker_, piece);
+    const TriangleError error = error_of(looker_, piece, limit_ / margin);
     if (is_dark) return error.shown;
-    worst_px = std::max(worst_px, error.px);
-    return error.px > limit_ || error.hole;
+    worst_px = std::max(worst_px, margin * error.px);
+    return margin * error.px > limit_ || error.hole;
   }
 
   [[nodiscard]] bool is_bad_at_border(const std::array<PanelPoint, 3>& piece, const CutTriangle& shown,
@@ -129,9 +125,10 @@ class AdaptiveMesher {
     const bool one = shown.count == 1;
     const bool keeps = one ? keeps_to_border(looker_, part[0][1], part[0][2], options_.border_error_px)
                            : keeps_to_border(looker_, part[1][2], part[0][0], options_.border_error_px);
+    const double margin = error_margin(looker_, piece);
     double worst_part_px = 0.0;
     for (std::size_t i = 0; i < shown.count; ++i) {
-      worst_part_px = std::max(worst_part_px, error_of(looker_, part[i], limit_).px);
+      worst_part_px = std::max(worst_part_px, margin * error_of(looker_, part[i], limit_ / margin).px);
     }
     worst_px = std::max(worst_px, worst_part_px);
     return !keeps || worst_part_px > limit_;
@@ -143,7 +140,7 @@ class AdaptiveMesher {
   double coarsest_px_;  ///< larger triangles are cut unseen: an end of what is shown may hide in them
   PieceLattice lattice_;
   Bisection bisection_;
-  std::vector<double> error_px_;  ///< of each triangle, as it was last tried
+  std::vector<double> error_px_;  ///< of each triangle as it was last tried, with its margin
   std::vector<PanelPoint> node_;  ///< of the triangle that is tried
   std::vector<std::uint8_t> inside_;
 };

@@ -48,6 +48,24 @@ class PanelMap {
   [[nodiscard]] int colours() const { return colours_; }
   /// No kinks: neither samples nor Oculus's spline, whose derivative jumps at its next to last knot.
   [[nodiscard]] bool is_smooth() const { return smooth_; }
+  /// Whether the triangle of panel tangents a b c may hold a kink of some colour's lens.
+  [[nodiscard]] bool may_kink(const Vector2& a, const Vector2& b, const Vector2& c) const {
+    if (smooth_) return false;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(colours_); ++i) {
+      const CatmullRomLens* spline = lenses_[i].model_if<CatmullRomLens>();
+      if (spline == nullptr && lenses_[i].model_if<PointMeshLens>() == nullptr) continue;
+      if (spline == nullptr) return true;
+      const LensPlacement& place = lenses_[i].placement();
+      const auto radius = [&](const Vector2& p) { return (p - place.centre).cwiseQuotient(place.scale).norm(); };
+      const double kink = std::sqrt(0.9) * spline->coefficients().r_max;  // x = 9
+      const double ra = radius(a), rb = radius(b), rc = radius(c);
+      if (std::max({ra, rb, rc}) < kink) continue;                     // the disc is convex
+      const double reach = (b - a).cwiseQuotient(place.scale).norm();  // a b is the longest edge
+      if (std::max({ra, rb, rc}) - reach > kink) continue;
+      return true;
+    }
+    return false;
+  }
   /// A few points tell how the lens bends between them, and no border is expected but perhaps that of its domain.
   [[nodiscard]] bool is_simple() const { return smooth_ && !inverse_ && !field_ && !identity_; }
   /// Every panel point shows its own tangent.

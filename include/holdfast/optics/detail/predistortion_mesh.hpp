@@ -61,7 +61,7 @@ namespace detail {
   return draft;
 }
 
-/// Largest error of a draft's triangles, where they show something.
+/// Largest error of a draft's triangles, with its margin, where they show something.
 [[nodiscard]] inline double worst_px(const PanelLooker& looker, const MeshDraft& draft) {
   double worst = 0.0;
   for (const auto& v : draft.triangles) {
@@ -70,13 +70,14 @@ namespace detail {
         cut({looker.look(corner[0]).inside, looker.look(corner[1]).inside, looker.look(corner[2]).inside});
     for (std::size_t i = 0; i < shown.count; ++i) {
       const std::array<PanelPoint, 3> part = points_of(looker, corner, shown.parts[i]);
-      worst = std::max(worst, error_of(looker, part, std::numeric_limits<double>::infinity()).px);
+      worst = std::max(
+          worst, error_margin(looker, corner) * error_of(looker, part, std::numeric_limits<double>::infinity()).px);
     }
   }
   return worst;
 }
 
-/// The error that was found, with its margin; never below what rounding may do, to float and to the panel's lattice
+/// The error that was found; never below what rounding may do, to float and to the panel's lattice
 /// (seen at most 8 times enlarged).
 [[nodiscard]] inline double stated_error_px(const PanelLooker& looker, const PredistortionMesh& mesh, double found_px) {
   float largest = 0.0f;
@@ -85,7 +86,7 @@ namespace detail {
   }
   const double rounding =
       largest * looker.px_per_tangent().norm() + 8.0 * std::hypot(mesh.resolution.width, mesh.resolution.height);
-  return std::max(error_margin_of(looker.map()) * found_px, std::ldexp(rounding, -24));
+  return std::max(found_px, std::ldexp(rounding, -24));
 }
 
 }  // namespace detail

@@ -150,12 +150,16 @@ function drawChart(chart, parent) {
     log.setAttribute("aria-pressed", String(chart.logarithmic));
     graph.updateOptions({ logscale: chart.logarithmic, file: chart.logarithmic ? forLog(chart) : chart.rows });
   });
-  openCharts.push({ graph, chart, legend, reset });
+  // The box gets its width when all charts are in the page, and again when the window changes.
+  const observer = new ResizeObserver(() => graph.resize());
+  observer.observe(plot);
+  openCharts.push({ graph, chart, legend, reset, observer });
 }
 
 function destroyCharts(inside) {
   for (let i = openCharts.length - 1; i >= 0; --i) {
     if (!inside.contains(openCharts[i].graph.graphDiv)) continue;
+    openCharts[i].observer.disconnect();
     openCharts[i].graph.destroy();
     openCharts.splice(i, 1);
   }
@@ -300,9 +304,9 @@ function introduction() {
   for (const r of ["P0", "P1", "P4", "P5", "P6"].map((id) => row(id)).filter(Boolean)) {
     const mark = el("i.dot"); mark.style.color = seriesColor(r.pipeline);
     cards.append(el("div.card", {}, el("header", {}, mark, el("strong", {}, variantTitle(r)), el("span", {}, `${r.motion}, ${tick(r.latency_ms)} ms`)),
-      el("dl.figures", {}, ...[["largest error", angle(r.registration.peak_arcmin), number(r.registration.peak_px, "px")],
+      el("dl.figures", {}, ...[["largest error", number(r.registration.peak_arcmin / 60) + "\u00b0", number(r.registration.peak_px, "px")],
         ["fastest swim", number(r.swim.peak_deg_s, "\u00b0/s"), "RMS " + number(r.swim.rms_deg_s, "\u00b0/s")],
-        ["effective latency", number(r.effective_latency_ms, "ms"), `of ${tick(r.latency_ms)} ms injected`]]
+        ["effective latency", number(r.effective_latency_ms, "ms"), `of ${tick(r.latency_ms)} ms`]]
         .map(([name, value, more]) => el("div", {}, el("dt", {}, name), el("dd", {}, value, el("small", {}, more)))))));
   }
   page.append(cards);

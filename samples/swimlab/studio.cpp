@@ -61,7 +61,9 @@ void Studio::paint(const View& view, const SceneStyle& style) {
 }
 
 WarpMesh& Studio::mesh_of(const EyeModel& eye, LensMode lens) {
-  const EyeKey key(eye.side, lens, eye.resolution.width, eye.resolution.height);
+  const FieldTangents& t = eye.tangents;
+  const EyeKey key(eye.side, lens, eye.resolution.width, eye.resolution.height,
+                   std::array{t.left, t.right, t.down, t.up});
   const auto known = meshes_.find(key);
   if (known != meshes_.end()) return known->second;
   const Stopwatch stopwatch(setup_ms_);

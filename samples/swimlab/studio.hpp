@@ -1,6 +1,7 @@
 /// Draws the experiment's pictures off screen: the registration scene, and a model if wanted, as an eye sees it.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -69,7 +70,7 @@ class Studio {
   holdfast::Vqs T_WM_;
   std::string model_name_;
   std::map<std::tuple<int, int, int, bool>, std::unique_ptr<holdfast::rendering::RenderTarget>> targets_;
-  using EyeKey = std::tuple<holdfast::EyeSide, holdfast::LensMode, int, int>;
+  using EyeKey = std::tuple<holdfast::EyeSide, holdfast::LensMode, int, int, std::array<double, 4>>;
   std::map<EyeKey, holdfast::rendering::WarpMesh> meshes_;
   std::map<std::pair<int, int>, holdfast::rendering::DepthSurfaceTexture> surfaces_;
   double draw_readback_ms_ = 0.0, setup_ms_ = 0.0;

@@ -15,7 +15,7 @@ return [...document.querySelectorAll('.chart')].map((box) => {
   const canvas = box.querySelector('.plot canvas'), pixels = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
   let drawn = 0;
   for (let i = 3; i < pixels.length; i += 4) drawn += pixels[i] > 0;
-  return {id: box.id, drawn, labels: box.querySelectorAll('.dygraph-axis-label').length,
+  return {id: box.id, drawn, beyond: canvas.getBoundingClientRect().right - box.getBoundingClientRect().right, labels: box.querySelectorAll('.dygraph-axis-label').length,
           titles: box.querySelectorAll('.dygraph-label').length};
 });"""
 
@@ -48,6 +48,7 @@ def check_layout(page, name):
     expect(len(charts) >= 5, f"{name}: charts are missing: {charts}")
     for chart in charts:
         expect(chart["drawn"] > 200, f"{name}: nothing is drawn in {chart}")
+        expect(chart["beyond"] <= 0, f"{name}: wider than its box: {chart}")
         expect(chart["labels"] >= 4 and chart["titles"] == 2, f"{name}: axis without labels: {chart}")
     pictures = page.run("return [...document.images].filter((i) => !(i.complete && i.naturalWidth > 0)).length")
     expect(pictures == 0, f"{name}: {pictures} pictures did not load")

@@ -207,7 +207,7 @@ TEST_CASE("line by line the skew of a rolling scan-out is gone (value 9), with a
           CHECK(worst > 40.0);
           CHECK(worst < 66.6);
         }
-        CHECK(row.verdict == Verdict::pass);
+        CHECK(row.verdict != Verdict::fail);
       }
     }
   }

@@ -85,12 +85,10 @@ inline void expect_ramp(Expectations& e, double latency_s, double period_s) {
   if (latency_s <= 0.0 || latency_s >= travel_s) return;
   const double error = 60.0 * rate_deg_s * latency_s, one_frame = 60.0 * rate_deg_s * period_s;
   const bool held = predictor_of(e.settings.pipeline) == Predictor::none;
-  // A predictor errs only until it knows of the start or the stop: of a time shorter than a frame, frames may catch
-  // any part, or none.
-  const bool caught = held || error >= one_frame;
-  const double expected = caught ? error : 0.5 * error, tolerance = caught ? one_frame : 0.5 * error + 1e-3;
-  e.add("pose.peak_yaw_arcmin", expected, held ? 1e-3 : tolerance);
-  if (e.settings.velocity == VelocitySource::exact) e.add("overshoot_arcmin", held ? -error : expected, tolerance);
+  // A predictor errs only until it knows of the start or the stop: frames catch a time shorter than one by chance.
+  if (!held && error < one_frame) return;
+  e.add("pose.peak_yaw_arcmin", error, held ? 1e-3 : one_frame);
+  if (e.settings.velocity == VelocitySource::exact) e.add("overshoot_arcmin", held ? -error : error, one_frame);
 }
 
 [[nodiscard]] inline std::optional<double> measured_value(const ExperimentRow& row, std::string_view name) {

@@ -50,20 +50,21 @@ TEST_CASE(
   const Angle shift = error_of({DeflectionKind::shift}, view, X_WE, at(29));
   const Angle roll = error_of({DeflectionKind::shift_roll}, view, X_WE, at(29));
   const Angle rotation = error_of({DeflectionKind::rotation}, view, X_WE, at(29));
-  MESSAGE("30 deg off the axis, turned by 1 deg: shift ", shift.arcmin(), ", shift and roll ", roll.arcmin(),
-          ", rotation ", rotation.arcmin(), " arcmin");
-  // Shown at tan 29 + tan 1 instead of tan 30: 15.05 arcmin. The evaluation's 15.6 compares tan 31 with tan 30 + tan 1,
-  // as a tangent at 30 degrees: the same slide seen from the source picture.
+  // What was at 29 degrees is shown at tan 29 + tan 1 instead of tan 30: 14.4 arcmin beside. The evaluation's 15.6 are
+  // those of what was at 30 degrees: tan 31 against tan 30 + tan 1, taken for an angle by the slope at 30 degrees.
   const double slide = std::tan(degrees(29).radians()) + std::tan(degrees(1).radians());
   CHECK(shift.radians() == doctest::Approx(degrees(30).radians() - std::atan(slide)).epsilon(1e-9));
   const DeflectionResult slid = deflect({DeflectionKind::shift}, view, LatePoses::at_once(X_WE));
   const double at_30 = std::tan(degrees(30).radians());
   const Vector2 looked_up = *slid.H_SE.displayed_tangent({at_30, 0.0}, 0.5);
   const double off = std::tan(degrees(31).radians()) - looked_up.x();
-  CHECK(radians(off * 0.75).arcmin() == doctest::Approx(15.6).epsilon(0.003));  // cos^2 30 turns tangents into angle
-  CHECK(roll.radians() == doctest::Approx(shift.radians()).epsilon(1e-9));      // a yaw has no roll on the axis
+  const Angle at_30_deg = radians(off * 0.75);  // cos^2 30 turns tangents into angle
+  MESSAGE("turned by 1 deg: shift errs by ", at_30_deg.arcmin(), " arcmin at 30 deg off the axis (", shift.arcmin(),
+          " at 29, with roll ", roll.arcmin(), "), rotation by ", rotation.arcmin());
+  CHECK(at_30_deg.arcmin() == doctest::Approx(15.6).epsilon(0.003));
+  CHECK(roll.radians() == doctest::Approx(shift.radians()).epsilon(1e-9));  // a yaw has no roll on the axis
   CHECK(rotation.arcmin() < 1e-9);
-  // At the centre of the view the shift is right, above it too wide.
+  // At the centre of the view the shift is right.
   CHECK(error_of({DeflectionKind::shift}, view, X_WE, X_WE * Vector3(0, 0, -1)).arcmin() < 1e-9);
 }
 

@@ -73,3 +73,25 @@ TEST_CASE("the page's second example: by depth, with its disocclusion") {
   CHECK(sample.state == SourceState::covered);
   CHECK(view.disocclusion_pct() == 0.0);  // a single plane hides nothing
 }
+
+TEST_CASE("the page's example on a CPU") {
+  const EyeModel eye = default_hmd({64, 48}).left;
+  const RenderedView view{Rigid(), eye.tangents, {64, 48}, {}};
+  const int width = view.size.width, height = view.size.height;
+  const ComposedWarp composed_warp(eye, LensMode::exact, {}, view, {});
+  const std::vector<std::uint8_t> picture(4 * 64 * 48, 200);
+  std::vector<std::uint8_t> panel(picture.size());
+  const std::uint8_t* pixels = picture.data();
+  std::uint8_t* panel_pixels = panel.data();
+
+  WarpLattice lattice(eye, LensMode::exact);
+  CpuWarp warp({.threads = 2, .filter = WarpFilter::bilinear});
+
+  PictureSpan<const std::uint8_t> source(pixels, width, height);
+  PictureSpan<std::uint8_t> target(panel_pixels, eye.resolution.width, eye.resolution.height);
+  CpuWarpProblem problem = warp.draw(lattice, composed_warp, RenderedPicture(view, source), target);
+  if (problem != CpuWarpProblem::none) std::puts(describe(problem).data());
+
+  CHECK(problem == CpuWarpProblem::none);
+  CHECK(*target.pixel(32, 24) == 200);
+}

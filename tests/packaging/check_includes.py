@@ -12,7 +12,7 @@ CORE = ["geometry", "timing", "motion", "frames", "tracking", "prediction", "opt
         "calibration", "registration", "pipeline"]
 # What an optional component may include besides the core and itself.
 COMPONENTS = {"io": [], "rendering": ["io"], "scene": ["io", "rendering"], "interop": [], "testing": ["io", "rendering"]}
-CORE_EXTERNALS = re.compile(r"^(Eigen/|[a-z_0-9]+$)")  # Eigen and the standard library
+CORE_EXTERNALS = re.compile(r"^(Eigen/|[a-z_0-9]+$|immintrin\.h$)")  # Eigen, the standard library, and the compiler's own vectors
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
 

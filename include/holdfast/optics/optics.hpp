@@ -21,6 +21,7 @@
 #include <holdfast/optics/polynomial_lens.hpp>
 #include <holdfast/optics/power_series_lens.hpp>
 #include <holdfast/optics/predistortion_mesh.hpp>
+#include <holdfast/optics/predistortion_mesh_types.hpp>
 #include <holdfast/optics/projection.hpp>
 #include <holdfast/optics/radial_lens.hpp>
 #include <holdfast/optics/radial_model.hpp>

@@ -12,7 +12,7 @@
 
 #include <holdfast/optics/detail/mesh_cut.hpp>
 #include <holdfast/optics/detail/mesh_pieces.hpp>
-#include <holdfast/optics/predistortion_mesh.hpp>
+#include <holdfast/optics/predistortion_mesh_types.hpp>
 
 namespace holdfast::detail {
 

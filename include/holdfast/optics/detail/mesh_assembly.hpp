@@ -13,7 +13,7 @@
 #include <holdfast/optics/detail/mesh_cut.hpp>
 #include <holdfast/optics/detail/mesh_pieces.hpp>
 #include <holdfast/optics/detail/point_mesh_triangles.hpp>
-#include <holdfast/optics/predistortion_mesh.hpp>
+#include <holdfast/optics/predistortion_mesh_types.hpp>
 
 namespace holdfast::detail {
 

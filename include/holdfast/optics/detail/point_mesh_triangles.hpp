@@ -17,7 +17,7 @@
 
 #include <holdfast/optics/detail/mesh_cut.hpp>
 #include <holdfast/optics/point_mesh_lens.hpp>
-#include <holdfast/optics/predistortion_mesh.hpp>
+#include <holdfast/optics/predistortion_mesh_types.hpp>
 
 namespace holdfast::detail {
 

@@ -30,7 +30,8 @@ function(holdfast_add_component name)
   set(HOLDFAST_DEFINED_COMPONENTS ${HOLDFAST_DEFINED_COMPONENTS} ${name} PARENT_SCOPE)
 endfunction()
 
-# core: Eigen only.
+# core: Eigen, and threads for the CPU warp.
+find_package(Threads REQUIRED)
 find_package(Eigen3 REQUIRED NO_MODULE)
 if(Eigen3_VERSION VERSION_LESS 3.4)
   message(FATAL_ERROR "holdfast needs Eigen 3.4 or newer, found ${Eigen3_VERSION} (Debian: libeigen3-dev)")
@@ -38,7 +39,7 @@ endif()
 # A version given to find_package would also cap it: Eigen 5's package file calls itself incompatible with 3.4.
 holdfast_add_component(core HEADERS *.hpp FOLDERS geometry timing motion frames tracking prediction optics deflection simulation
   calibration registration pipeline)
-target_link_libraries(holdfast_core INTERFACE Eigen3::Eigen)
+target_link_libraries(holdfast_core INTERFACE Eigen3::Eigen Threads::Threads)
 
 if("io" IN_LIST HOLDFAST_COMPONENTS)
   find_package(nlohmann_json 3.10 QUIET)

@@ -5,7 +5,6 @@ set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
 endif()
-find_package(Threads REQUIRED)
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
@@ -29,7 +28,6 @@ if(HOLDFAST_SANITIZE_THREADS AND CMAKE_CXX_COMPILER_ID MATCHES Clang)
   # Tests that count allocations replace operator new, which clang's ThreadSanitizer defines as well: ours comes first.
   target_link_options(holdfast_development INTERFACE -Wl,--allow-multiple-definition)
 endif()
-target_link_libraries(holdfast_development INTERFACE Threads::Threads)
 
 # Recordings that are not ours to ship; tests that want them say so when they are absent.
 set(HOLDFAST_RECORDINGS "${PROJECT_SOURCE_DIR}/../shared/data" CACHE PATH "Folder of recorded motion and devices")

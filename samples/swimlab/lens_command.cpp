@@ -253,14 +253,13 @@ void add_lens_command(CLI::App& app, int& exit_code) {
   lens_app.add_option("--grid", given->grid, "A fixed mesh of N x N cells instead")->type_name("N");
   lens_app.add_option("--limit-deg", given->limit, "Draw this far from the axis to each side, not the whole panel")
       ->type_name("DEG");
-  lens_app
-      .add_option("--budget-deg", given->budget, "How far the head may turn meanwhile: yaw,pitch,roll; default 6,4,3")
-      ->delimiter(',')
+  add_words(lens_app, "--budget-deg", given->budget,
+            "How far the head may turn meanwhile: yaw,pitch,roll; default 6,4,3")
       ->type_name("YAW,PITCH,ROLL");
   lens_app.add_option("--out", given->out, "Folder for pictures and meshes; default out/lens")->type_name("DIR");
   lens_app.add_option("--json", given->json, "Write the results also to this file")->type_name("FILE");
   lens_app.footer(
-      "Example:\n  swimlab lens assets/hmds/rift_dk2.json --eye both --out out/dk2\n"
+      "Example:\n  swimlab lens assets/hmds/flight_helmet.json --eye both --out out/flight_helmet\n"
       "It writes for each eye EYE_drawn.svg, EYE_seen.svg, EYE_mesh.svg, EYE_mesh.obj and EYE_mesh.json,\n"
       "and lens.json.");
   lens_app.callback([given, &exit_code] {

@@ -120,8 +120,8 @@ std::uint64_t seed_of(const std::string& word) {
 /// The text of the options of `run`, before they are checked.
 struct RunWords {
   Words motions, pipelines, deflections, latencies, eyes, lenses, displays;
-  std::string late = "3", plane_distance = "2", low_pass = "10", size, seed = "1", backend, hmd, model,
-              out = "out/swimlab", json;
+  std::string late, plane_distance = "2", low_pass = "10", size, seed = "1", backend, hmd, model, out = "out/swimlab",
+                    json;
   bool full = false, lenient = false;
 };
 
@@ -163,7 +163,14 @@ RunOptions checked(const RunWords& words, const std::string& command_line) {
     o.displays.emplace_back(scan_out);
   }
   if (o.displays.empty()) o.displays.emplace_back(std::nullopt);
-  o.late_ms = number_of("--late-ms", words.late, 0.0, 1000.0, "milliseconds, 0 to 1000");
+  const double shortest = *std::min_element(o.latencies_ms.begin(), o.latencies_ms.end());
+  if (!words.late.empty()) {
+    o.late_ms = number_of("--late-ms", words.late, 0.0, 1000.0, "milliseconds, 0 to 1000");
+    if (o.late_ms > shortest) {
+      refuse("--late-ms", "the late pose would be older than the one drawn for", words.late,
+             "at most the shortest --latency-ms");
+    }
+  }
   o.low_pass_hz = number_of("--low-pass-hz", words.low_pass, 0.0, 1000.0, "hertz, 0 (off) to 1000");
   if (!words.size.empty()) o.size = size_of(words.size);
   o.seed = seed_of(words.seed);
@@ -183,6 +190,8 @@ void add_json(CLI::App& command, std::string& json) {
   command.add_option("--json", json, "Write the results also to this file")->type_name("FILE");
 }
 
+}  // namespace
+
 CLI::Option* add_words(CLI::App& command, const std::string& name, Words& words, const std::string& help) {
   // Cut at commas here: the command-line library would drop empty words, and with them a mistyped value.
   const auto read = [&words, name](const CLI::results_t& given) {
@@ -192,8 +201,6 @@ CLI::Option* add_words(CLI::App& command, const std::string& name, Words& words,
   };
   return command.add_option(name, read, help)->type_name("WORD,...")->take_all()->allow_extra_args(false);
 }
-
-}  // namespace
 
 double number_of(const std::string& option, const std::string& word, double least, double most,
                  const std::string& expected) {

@@ -68,9 +68,10 @@ TEST_CASE("nothing drawn is infinitely far; numbers that are no distance are cou
   depth.distance_m[5] = -1.0f;
   depth.distance_m[6] = 0.0f;
   depth.distance_m[7] = std::numeric_limits<float>::quiet_NaN();
+  depth.distance_m[8] = 1e-40f;  // its inverse is no finite float
   DepthSurface surface;
   REQUIRE(surface.update(view, depth) == DepthProblem::none);
-  CHECK(surface.bad_pixels() == 3);
+  CHECK(surface.bad_pixels() == 4);
   CHECK(surface.greatest_w() == 0.0);
   CHECK(surface.w_at(Vector2(0, 0)) == 0.0);
   CHECK(surface.linked_right(6, 0));

@@ -459,6 +459,25 @@ TEST_CASE("what a frame had to make do with is told") {
     CHECK(run.frame.eyes[0].view.allFinite());
     CHECK(run.deflection.eyes[0].source.begin.allFinite());
   }
+  SUBCASE("not finite after a good one") {
+    bool good = true;
+    const RuntimePoseSource failing([&](HostTime) {
+      PoseEstimate e = steady_head(1.0, Vector3::Zero());
+      if (!good) e.X_WB = Rigid::translation(Vector3::Constant(std::numeric_limits<double>::quiet_NaN()));
+      return std::optional<PoseEstimate>(e);
+    });
+    FrameLoop bad(hmd, failing);
+    Frame frame = bad.begin_frame(time_at(1.001));
+    const Matrix4 view = frame.eyes[0].view;
+    good = false;
+    // Neither the latch nor the deflection throws a good picture to the world's origin, and the next frame stays near.
+    CHECK(bad.late_latch(frame, time_at(1.002)).issues.has(FrameIssue::not_finite));
+    CHECK(frame.eyes[0].view == view);
+    const FrameDeflection late = bad.deflect(frame.rendered_views(), time_at(1.003));
+    CHECK(late.issues.has(FrameIssue::not_finite));
+    CHECK(late.eyes[0].deflection.H_SE.matrices().is_identity());
+    CHECK(bad.begin_frame(time_at(1.012)).eyes[0].view == view);
+  }
   SUBCASE("beyond the overfill, then beyond everything") {
     latest.publish(steady_head(1.0, Vector3::Zero()));
     const Frame frame = loop.begin_frame(time_at(1.001));

@@ -74,6 +74,7 @@ class BadUse(Case):
                 ("--size", "-3x4", "1280x720"), ("--eye", "middle", "left, right, both"), ("--lens", "thick", "uncorrected"),
                 ("--display", "sideways", "global, rolling"), ("--pipeline", "P9", "P0"), ("--seed", "-1", "whole number"),
                 ("--backend", "glide", "osmesa"), ("--late-ms", "-1", "0 to 1000"), ("--late-ms", "inf", "0 to 1000"),
+                ("--late-ms", "61", "latency-ms"),
                 ("--deflection", "bend", "shift_roll"), ("--plane-distance-m", "0", "0.05 to 1000"),
                 ("--plane-distance-m", "far", "metres"), ("--latency-ms", "20,,30", "single commas"),
                 ("--motion", "M1,", "single commas")]:

@@ -138,7 +138,8 @@ class Lens(unittest.TestCase):
         self.refused([], "HMD")
         for option, value, expected in [("--max-error-px", "0", "0.005"), ("--max-error-px", "soon", "pixels"), ("--grid", "0", "1 to 1024"),
                                         ("--grid", "2.5", "whole"), ("--eye", "third", "left, right, both"),
-                                        ("--budget-deg", "1,2", "three angles"), ("--budget-deg", "1,2,99", "45"),
+                                        ("--budget-deg", "1,2", "three angles"), ("--budget-deg", "6,,4,3", "single commas"),
+                                        ("--budget-deg", "6,4,3,", "single commas"), ("--budget-deg", "1,2,99", "45"),
                                         ("--limit-deg", "90", "85"), ("--json", "none/x.json", "no folder")]:
             with self.subTest(option=option, value=value):
                 self.refused([good, f"{option}={value}", "--out", "o"], option, expected)

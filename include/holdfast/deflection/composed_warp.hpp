@@ -82,10 +82,10 @@ class ComposedWarp {
     return {pixel, is_inside(view_, pixel) ? SourceState::covered : SourceState::outside};
   }
 
-  /// The same as the eye sees it at `seen_pixel`, through the true lens.
+  /// The same as the eye sees it at `seen_pixel`, through the true lens; past the panel's edge it sees nothing.
   [[nodiscard]] SourceSample sample_seen(const Vector2& seen_pixel, Color color = Color::green) const {
     const std::optional<Vector2> panel = panel_pixel_seen(seen_pixel, color);
-    return panel ? sample(*panel, color) : SourceSample{};
+    return panel && is_inside(*eye_, *panel) ? sample(*panel, color) : SourceSample{};
   }
 
   /// The source pixel that a panel pixel shows; it may lie outside the source picture, or be a guess: see sample.

@@ -22,7 +22,7 @@ struct Coverage {
   std::size_t covered = 0;      ///< the picture shows them
   std::size_t disoccluded = 0;  ///< revealed: their colour is a guess
   std::size_t outside = 0;      ///< beyond the picture's edges
-  std::size_t not_seen = 0;     ///< outside the lens's domain, or not ahead of the source eye
+  std::size_t not_seen = 0;     ///< outside the lens's domain or the panel, or not ahead of the source eye
 
   [[nodiscard]] double missing_pct() const { return percent(outside + not_seen); }
   [[nodiscard]] double disocclusion_pct() const { return percent(disoccluded); }

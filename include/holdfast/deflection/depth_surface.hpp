@@ -7,7 +7,7 @@
 /// but smooth surface); else an edge lies between them, half way, and what is nearer hides what is behind.
 /// Shape: one facet per pixel of the depth image; pixels of the depth image, origin at the lower left, centres at half
 /// integers. update() allocates only when the image is larger than any before. Bad input: a DepthProblem names it; a
-/// pixel that is no distance (NaN, zero, negative) counts as nothing drawn, see bad_pixels.
+/// pixel that is no distance (NaN, below a micrometre, negative) counts as nothing drawn, see bad_pixels.
 #pragma once
 
 #include <algorithm>
@@ -102,7 +102,8 @@ class DepthSurface {
   }
 
   [[nodiscard]] float inverse(float distance) {
-    if (!(distance > 0.0f)) {
+    constexpr float nearest_m = 1e-6f;  // what is nearer has no inverse distance to compute with
+    if (!(distance >= nearest_m)) {
       ++bad_pixels_;
       return 0.0f;
     }

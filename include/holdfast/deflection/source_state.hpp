@@ -10,7 +10,7 @@ enum class SourceState : std::uint8_t {
   covered,      ///< the source picture shows it
   disoccluded,  ///< it was hidden when the picture was drawn, and a depth deflection reveals it; its colour is a guess
   outside,      ///< it lies beyond the source picture's edges
-  not_seen,     ///< no source direction at all: outside the lens's domain, or not ahead of the source eye
+  not_seen,     ///< no source direction at all: outside the lens's domain or the panel, or not ahead of the source eye
 };
 
 [[nodiscard]] constexpr std::string_view name_of(SourceState state) {

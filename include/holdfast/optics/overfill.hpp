@@ -214,7 +214,8 @@ class Overfill {
                                                const FieldTangents& wider) {
   const auto pixels = [](int count, double own, double wide) {
     // Less by what rounding to float may do: an unchanged field keeps its pixels.
-    return static_cast<int>(std::ceil(count * std::abs(wide / own) - 1e-6 * count));
+    const double most = std::numeric_limits<int>::max();  // of a field that nears 90 degrees
+    return static_cast<int>(std::min(most, std::ceil(count * std::abs(wide / own) - 1e-6 * count)));
   };
   return {pixels(size.width, field.right - field.left, wider.right - wider.left),
           pixels(size.height, field.up - field.down, wider.up - wider.down)};

@@ -10,6 +10,7 @@
 /// clipping planes are a programmer's error (problem_of in frame_loop_settings.hpp tells beforehand).
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -34,14 +35,17 @@ struct EyePicture {
 };
 
 /// The smallest picture that fills the outline wherever a deflection within the budget takes it. Preparation: allocates.
-/// Nothing when there is none: an empty outline, or a budget that is impossible or turns an edge 90 degrees away.
+/// Nothing when there is none: an empty outline, a budget that is impossible or turns an edge 90 degrees away, or more
+/// than 32768 pixels to a side.
 [[nodiscard]] inline std::optional<EyePicture> overfilled_picture(const EyeModel& eye, const FieldOutline& outline,
                                                                   const DeflectionBudget& budget) {
   std::vector<Vector2> tangents;
   for (const FieldOutline::Point& point : outline.points()) tangents.push_back(point.t_E);
   const FieldResult field = overfilled_points(tangents, budget);
   if (!field.ok()) return std::nullopt;
-  return EyePicture{field.value(), overfilled_size(eye, field.value())};
+  const PixelSize size = overfilled_size(eye, field.value());
+  if (std::max(size.width, size.height) > 32768) return std::nullopt;
+  return EyePicture{field.value(), size};
 }
 
 struct EyeView {

@@ -77,6 +77,8 @@ class FrameLoop {
     frame.deadline = frame.plan.scan_out_start - settings_.warp_time;
     if (measured) {
       frame.head = predicted(*measured, frame.t(), frame.issues);
+      if (!measured->X_WB.is_finite()) frame.head.X_WB = last_X_WH_;
+      last_X_WH_ = frame.head.X_WB;
     } else {
       frame.head.t = frame.t();
       frame.head.status = PredictionStatus::not_finite;
@@ -98,6 +100,7 @@ class FrameLoop {
     }
     check_age(measured->t, now, latch.issues);
     const PredictionResult head = predicted(*measured, frame.t(), latch.issues);
+    if (!measured->X_WB.is_finite()) return latch;  // the views stay as they are
     const Rigid moved = relative_pose(frame.head.X_WB, head.X_WB);
     latch.fresher = measured->t - frame.plan.measured;
     latch.turned = radians(so3::log<double>(moved.q()).norm());
@@ -123,10 +126,11 @@ class FrameLoop {
       result.head_begin = predicted(*measured, result.scan_begin, result.issues);
       result.head_end = predicted(*measured, result.scan_end, result.issues);
     }
+    const bool known = measured && measured->X_WB.is_finite();
     for (std::size_t i = 0; i < 2; ++i) {
       const Rigid& X_HE = eyes_[i].model.X_HE;
       LatePoses late = LatePoses::at_once(views[i].X_WS);
-      if (measured) late = {result.head_begin.X_WB * X_HE, result.head_end.X_WB * X_HE};
+      if (known) late = {result.head_begin.X_WB * X_HE, result.head_end.X_WB * X_HE};
       result.eyes[i] = deflect_eye(eyes_[i], views[i], late, result.issues);
     }
     if (result.eyes[0].deflection.ok()) {
@@ -217,6 +221,7 @@ class FrameLoop {
   DisplayTiming display_;
   VsyncEstimator vsync_;
   std::array<Eye, 2> eyes_;
+  Rigid last_X_WH_;  // for a frame whose measurement is no pose
   std::int64_t frame_id_ = 0;
 };
 

@@ -1,8 +1,6 @@
 // What a frame does to deflect allocates nothing: counted by replacing the global operator new of this test program.
 #include <cmath>
 #include <cstddef>
-#include <cstdlib>
-#include <new>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -10,23 +8,8 @@
 #include <holdfast/deflection/deflection.hpp>
 #include <holdfast/optics/hmd.hpp>
 
+#include "allocation_counter.hpp"
 #include "deflection/depth_scene.hpp"
-
-namespace {
-std::size_t allocations = 0;
-}
-
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* p = std::malloc(size)) return p;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* p) noexcept {
-  std::free(p);
-}
-[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept {
-  std::free(p);
-}
 
 using namespace holdfast;
 
@@ -66,14 +49,14 @@ TEST_CASE("deflecting a frame by any kind allocates nothing once its memory is t
     sum += rasterize(mesh, size, size, samples, nearness).missing_pct();
   };
   frame();
-  const std::size_t before = allocations;
+  const std::size_t before = test::allocations();
   frame();
-  const std::size_t after = allocations;
+  const std::size_t after = test::allocations();
   CHECK(after == before);
   CHECK(std::isfinite(sum));
   // The counter does count.
   const std::vector<double> some(samples.size(), sum);
-  CHECK(allocations > after);
+  CHECK(test::allocations() > after);
   CHECK(some.size() == samples.size());
 }
 
@@ -96,10 +79,10 @@ TEST_CASE("warping on the CPU allocates nothing after the first frame, with thre
                      PictureSpan<std::uint8_t>(target.data(), 200, 120));
   };
   CHECK(frame(0.01) == CpuWarpProblem::none);
-  const std::size_t before = allocations;
+  const std::size_t before = test::allocations();
   int problems = 0;
   for (int i = 0; i < 20; ++i) problems += frame(0.002 * i) != CpuWarpProblem::none;
-  const std::size_t after = allocations;
+  const std::size_t after = test::allocations();
   CHECK(after == before);
   CHECK(problems == 0);
 }

@@ -14,14 +14,6 @@ using namespace holdfast;
 
 namespace {
 
-RenderedView wide_view(const PixelSize& size) {
-  const double half_x = 1.15 * tan(degrees(30)), half_y = half_x * size.height / size.width;
-  return {Rigid(so3::exp<double>(Vector3(0.4, -1.0, 0.3)), Vector3(3, 1, -2)),
-          {-half_x, half_x, -half_y, half_y},
-          size,
-          {}};
-}
-
 struct Drawn {
   Coverage coverage;
   std::vector<SourceSample> samples;
@@ -47,7 +39,7 @@ Drawn draw(const ComposedWarp& warp) {
 TEST_CASE("without motion the mesh shows each pixel itself, over all edges, and nothing is disoccluded") {
   const PixelSize size{160, 120};
   EyeModel eye = default_hmd(size).left;
-  const RenderedView view = wide_view(size);
+  const RenderedView view = test::wide_view(size);
   DepthSurface surface;
   REQUIRE(surface.update(view, test::room().depth_image(view)) == DepthProblem::none);
   for (const LensMode mode : {LensMode::none, LensMode::exact}) {
@@ -74,7 +66,7 @@ TEST_CASE("the mesh's vertices stay to the last bit when the eye stays") {
   DisplayTiming timing;
   timing.scan_out = ScanOut::rolling;
   timing.scan_duration = from_milliseconds(11.1);
-  const RenderedView view = wide_view(size);
+  const RenderedView view = test::wide_view(size);
   DepthSurface surface;
   REQUIRE(surface.update(view, test::room().depth_image(view)) == DepthProblem::none);
   const DeflectionResult still = deflect({DeflectionKind::depth}, view, LatePoses::at_once(view.X_WS));
@@ -96,7 +88,7 @@ TEST_CASE("the mesh's vertices stay to the last bit when the eye stays") {
 
 TEST_CASE("forward mesh and backward search agree, and both with the truth: 0.1 px where not disoccluded") {
   const PixelSize size{320, 240};
-  const RenderedView view = wide_view(size);
+  const RenderedView view = test::wide_view(size);
   const EyeModel eye = default_hmd(size).left;
   const test::DepthScene scene = test::room();
   DepthSurface surface;
@@ -158,7 +150,7 @@ TEST_CASE("forward mesh and backward search agree, and both with the truth: 0.1 
 
 TEST_CASE("the nearer surface wins, and bridges that fold over are left out") {
   const PixelSize size{320, 240};
-  const RenderedView view = wide_view(size);
+  const RenderedView view = test::wide_view(size);
   EyeModel eye = default_hmd(size).left;
   test::DepthScene scene;
   scene.planes.push_back(Plane{Vector3(0, 0, 1), -2.0});
@@ -187,7 +179,7 @@ TEST_CASE("the nearer surface wins, and bridges that fold over are left out") {
 TEST_CASE(
     "a mesh of another colour goes through that colour's lens; vertices that the panel cannot show are left out") {
   const PixelSize size{80, 60};
-  const RenderedView view = wide_view(size);
+  const RenderedView view = test::wide_view(size);
   EyeModel eye = default_hmd(size).left;
   eye.lens_red = Lens(RadialLens{0.15}, placed_at(0.4));
   DepthSurface surface;

@@ -9,7 +9,9 @@
 
 #include <holdfast/deflection/depth_surface.hpp>
 #include <holdfast/deflection/rendered_picture.hpp>
+#include <holdfast/geometry/angle.hpp>
 #include <holdfast/geometry/rays_planes.hpp>
+#include <holdfast/geometry/so3.hpp>
 
 namespace holdfast::test {
 
@@ -94,6 +96,15 @@ inline DepthScene room() {
   scene.spheres.push_back({Vector3(0.25, -0.05, -1.2), 0.25});
   scene.boards.push_back({0.8, -0.45, -0.15, -0.25, 0.3});
   return scene;
+}
+
+// The view of a picture 15 % wider than the default eye's, from a place where no axis is the world's.
+inline RenderedView wide_view(const PixelSize& size) {
+  const double half_x = 1.15 * tan(degrees(30)), half_y = half_x * size.height / size.width;
+  return {Rigid(so3::exp<double>(Vector3(0.4, -1.0, 0.3)), Vector3(3, 1, -2)),
+          {-half_x, half_x, -half_y, half_y},
+          size,
+          {}};
 }
 
 // Within `reach` px of an edge of the depth image.

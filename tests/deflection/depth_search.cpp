@@ -14,14 +14,6 @@ using namespace holdfast;
 
 namespace {
 
-RenderedView wide_view(const PixelSize& size) {
-  const double half_x = 1.15 * tan(degrees(30)), half_y = half_x * size.height / size.width;
-  return {Rigid(so3::exp<double>(Vector3(0.4, -1.0, 0.3)), Vector3(3, 1, -2)),
-          {-half_x, half_x, -half_y, half_y},
-          size,
-          {}};
-}
-
 EyeModel plain_eye(const PixelSize& size) {
   EyeModel eye = default_hmd(size).left;
   eye.lens = NoLens{};
@@ -69,7 +61,7 @@ Judgement judge(const test::DepthScene& scene, const DepthSearch& search, const 
 }  // namespace
 
 TEST_CASE("a mere turn is the rotation's homography, whatever the depths; zero motion shows each pixel itself") {
-  const RenderedView view = wide_view({320, 240});
+  const RenderedView view = test::wide_view({320, 240});
   DepthSurface surface;
   REQUIRE(surface.update(view, test::room().depth_image(view)) == DepthProblem::none);
   test::Random random(801);
@@ -97,7 +89,7 @@ TEST_CASE("a mere turn is the rotation's homography, whatever the depths; zero m
 
 TEST_CASE("slanted planes are met exactly from anywhere, line by line, in every scan direction") {
   const PixelSize size{320, 240};
-  const RenderedView view = wide_view(size);
+  const RenderedView view = test::wide_view(size);
   const EyeModel eye = plain_eye(size);
   test::Random random(802);
   double worst = 0.0;
@@ -127,7 +119,7 @@ TEST_CASE("slanted planes are met exactly from anywhere, line by line, in every 
 
 TEST_CASE("depth: at most 0.1 px where not disoccluded, and disocclusion where it is") {
   const PixelSize size{640, 480};
-  const RenderedView view = wide_view(size);
+  const RenderedView view = test::wide_view(size);
   const EyeModel eye = plain_eye(size);
   const test::DepthScene scene = test::room();
   DepthSurface surface;
@@ -156,7 +148,7 @@ TEST_CASE("depth: at most 0.1 px where not disoccluded, and disocclusion where i
 TEST_CASE("evaluation.md value 7: depth removes the parallax that a rotation leaves, and reports what it reveals") {
   // A board at 1 m before a wall at 2 m; 0.5 m/s during 20 ms: 10 mm to the right.
   const PixelSize size{640, 480};
-  const RenderedView view = wide_view(size);
+  const RenderedView view = test::wide_view(size);
   const EyeModel eye = plain_eye(size);
   test::DepthScene scene;
   scene.planes.push_back(Plane{Vector3(0, 0, 1), -2.0});
@@ -196,7 +188,7 @@ TEST_CASE("evaluation.md value 7: depth removes the parallax that a rotation lea
 TEST_CASE("what a nearer thing hides is not shown through it, and the first surface wins") {
   // Moving right, the wall's points that pass behind the board's right edge are hidden by the board.
   const PixelSize size{640, 480};
-  const RenderedView view = wide_view(size);
+  const RenderedView view = test::wide_view(size);
   test::DepthScene scene;
   scene.planes.push_back(Plane{Vector3(0, 0, 1), -2.0});
   scene.boards.push_back({0.5, -0.1, 0.1, -0.1, 0.1});
@@ -222,7 +214,7 @@ TEST_CASE("what a nearer thing hides is not shown through it, and the first surf
 }
 
 TEST_CASE("stepping through a board: what lies behind it is seen only where S saw it") {
-  const RenderedView view = wide_view({320, 240});
+  const RenderedView view = test::wide_view({320, 240});
   test::DepthScene scene;
   scene.planes.push_back(Plane{Vector3(0, 0, 1), -2.0});
   scene.boards.push_back({0.5, -0.1, 0.1, -0.1, 0.1});
@@ -238,7 +230,7 @@ TEST_CASE("stepping through a board: what lies behind it is seen only where S sa
 }
 
 TEST_CASE("beyond the picture's edges the source is outside; sky is infinitely far") {
-  const RenderedView view = wide_view({320, 240});
+  const RenderedView view = test::wide_view({320, 240});
   DepthSurface surface;
   REQUIRE(surface.update(view, test::DepthScene{}.depth_image(view)) == DepthProblem::none);
   const DepthSearch search(surface, ScanPose({}, LatePoses::at_once(Rigid::translation(Vector3(0.3, 0.1, -0.2)))));
@@ -256,7 +248,7 @@ TEST_CASE("beyond the picture's edges the source is outside; sky is infinitely f
 
 TEST_CASE("there and back by depth, with lens, line by line") {
   const PixelSize size{640, 480};
-  const RenderedView view = wide_view(size);
+  const RenderedView view = test::wide_view(size);
   const EyeModel eye = default_hmd(size).left;
   DepthSurface surface;
   REQUIRE(surface.update(view, test::room().depth_image(view)) == DepthProblem::none);
@@ -290,12 +282,12 @@ TEST_CASE("a surface without a depth image shows nothing") {
   CHECK_FALSE(search.source(Vector2(0, 0), 0.5).has_value());
   CHECK_FALSE(search.displayed_tangent(Vector2(0, 0), 0.5).has_value());
   const EyeModel eye = plain_eye({64, 48});
-  const ComposedWarp warp(eye, LensMode::none, DisplayTiming{}, wide_view({64, 48}), search);
+  const ComposedWarp warp(eye, LensMode::none, DisplayTiming{}, test::wide_view({64, 48}), search);
   CHECK(coverage(warp).not_seen == coverage(warp).directions);
 }
 
 TEST_CASE("directions that are no numbers have no source") {
-  const RenderedView view = wide_view({64, 48});
+  const RenderedView view = test::wide_view({64, 48});
   DepthSurface surface;
   REQUIRE(surface.update(view, test::room().depth_image(view)) == DepthProblem::none);
   const DepthSearch search(surface, ScanPose({}, LatePoses::at_once(Rigid::translation(Vector3(0.01, 0, 0)))));
@@ -306,7 +298,7 @@ TEST_CASE("directions that are no numbers have no source") {
 }
 
 TEST_CASE("left and right mirror by depth too; a mirrored picture shows the same") {
-  const RenderedView view = wide_view({160, 120});
+  const RenderedView view = test::wide_view({160, 120});
   const DepthImage depth = test::room().depth_image(view);
   DepthImage reversed = depth;
   for (int y = 0; y < 120; ++y) {

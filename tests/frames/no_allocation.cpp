@@ -1,53 +1,20 @@
 // The hot path of frames allocates nothing: counted by the program's operator new and, because Eigen calls malloc
 // directly, by malloc itself where the C library lets us see it.
-#include <atomic>
-#include <cstdlib>
-#include <new>
 
 #include <doctest/doctest.h>
 
 #include <holdfast/frames/frames.hpp>
 
+#include "allocation_counter.hpp"
 #include "flight_helmet.hpp"
-
-namespace {
-
-std::atomic<std::size_t> allocations{0};
-
-void* counted(std::size_t size) {
-  ++allocations;
-  if (void* p = std::malloc(size ? size : 1)) return p;
-  throw std::bad_alloc();
-}
-
-}  // namespace
-
-void* operator new(std::size_t size) {
-  return counted(size);
-}
-void* operator new[](std::size_t size) {
-  return counted(size);
-}
-void operator delete(void* p) noexcept {
-  std::free(p);
-}
-void operator delete[](void* p) noexcept {
-  std::free(p);
-}
-void operator delete(void* p, std::size_t) noexcept {
-  std::free(p);
-}
-void operator delete[](void* p, std::size_t) noexcept {
-  std::free(p);
-}
 
 using namespace holdfast;
 
 TEST_CASE("the counter counts") {
-  const std::size_t before = allocations;
+  const std::size_t before = test::allocations();
   std::vector<int> v(100);
   CHECK(v.size() == 100);
-  CHECK(allocations > before);
+  CHECK(test::allocations() > before);
 }
 
 TEST_CASE("push, lookup, chain, display chain and steering allocate nothing") {
@@ -62,7 +29,7 @@ TEST_CASE("push, lookup, chain, display chain and steering allocate nothing") {
   const FrameId LE = user.eyes[0].E, RE = user.eyes[1].E, elsewhere = g.frame("elsewhere");
 
   double sum = 0;
-  const std::size_t before = allocations;
+  const std::size_t before = test::allocations();
   Eigen::internal::set_is_malloc_allowed(false);
   for (int i = 1; i <= 1000; ++i) {
     const HostTime t = time_at(0.001 * i);
@@ -78,7 +45,7 @@ TEST_CASE("push, lookup, chain, display chain and steering allocate nothing") {
     if (pixel) sum += pixel->x();
   }
   Eigen::internal::set_is_malloc_allowed(true);
-  const std::size_t after = allocations;
+  const std::size_t after = test::allocations();
   CHECK(after == before);
   CHECK(std::isfinite(sum));
 }

@@ -2,39 +2,21 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdlib>
-#include <new>
 #include <vector>
 
 #include <doctest/doctest.h>
 
 #include <holdfast/optics/optics.hpp>
 
+#include "allocation_counter.hpp"
 #include "optics/published_lenses.hpp"
-
-namespace {
-std::size_t allocations = 0;
-}
-
-// Not inlined: g++ would see malloc on one side and delete on the other, and warn.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* p = std::malloc(size)) return p;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* p) noexcept {
-  std::free(p);
-}
-[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept {
-  std::free(p);
-}
 
 using namespace holdfast;
 
 TEST_CASE("no lens model allocates, whatever it is asked") {
   const std::vector<test::PublishedLens> lenses = test::published_lenses();
   double sum = 0.0;
-  const std::size_t before = allocations;
+  const std::size_t before = test::allocations();
   for (const test::PublishedLens& p : lenses) {
     for (int i = 0; i < 20; ++i) {
       const Vector2 t(0.05 * i, 0.07 * i - 0.3);  // some outside the domain
@@ -44,7 +26,7 @@ TEST_CASE("no lens model allocates, whatever it is asked") {
       sum += p.lens.distort_jacobian(Vector2(0.1 * t)).sum();
     }
   }
-  CHECK(allocations == before);
+  CHECK(test::allocations() == before);
   CHECK(std::isfinite(sum));
 }
 
@@ -55,14 +37,14 @@ TEST_CASE("a point mesh allocates when it is made, not when it is asked or copie
   }
   const Lens lens(PointMeshLens(make_point_mesh(samples).mesh));
   double sum = 0.0;
-  const std::size_t before = allocations;
+  const std::size_t before = test::allocations();
   const Lens copy = mirrored(lens);
   for (int i = 0; i < 50; ++i) {
     const Vector2 t(0.2 * i - 5, 3.0 - 0.1 * i);  // some outside
     if (const auto seen = copy.distort(t)) sum += seen->sum() + copy.distort_jacobian(t).sum();
     if (const auto panel = copy.undistort(t)) sum += panel->sum() + copy.undistort_jacobian(t)->sum();
   }
-  CHECK(allocations == before);
+  CHECK(test::allocations() == before);
   CHECK(std::isfinite(sum));
 }
 
@@ -70,7 +52,7 @@ TEST_CASE("projection, rays and lenses allocate nothing") {
   HmdModel hmd = default_hmd();
   hmd.right.lens = Lens(PolynomialLens(std::array<double, 2>{0.22, 0.24}), placed_at(0.9));
   double sum = 0.0;
-  const std::size_t before = allocations;
+  const std::size_t before = test::allocations();
   for (const EyeSide side : {EyeSide::left, EyeSide::right}) {
     const EyeModel& eye = hmd.eye(side);
     sum += projection_matrix(eye, ClipPlanes{}).sum() + arcmin_per_pixel(eye);
@@ -82,12 +64,12 @@ TEST_CASE("projection, rays and lenses allocate nothing") {
     }
     sum += eye.lens.distort_jacobian(Vector2(0.1, 0.2)).sum();
   }
-  const std::size_t after = allocations;
+  const std::size_t after = test::allocations();
   CHECK(after == before);
   CHECK(std::isfinite(sum));
   // The counter does count.
-  const std::size_t start = allocations;
+  const std::size_t start = test::allocations();
   const std::vector<double> some(hmd.left.resolution.width > 0 ? 100 : 0, sum);
-  CHECK(allocations > start);
+  CHECK(test::allocations() > start);
   CHECK(some.size() == 100);
 }

@@ -1,30 +1,12 @@
 // A frame allocates nothing, on any thread's path: counted by replacing the global operator new of this test program,
 // and forbidden to Eigen itself.
-#include <atomic>
 #include <cstddef>
-#include <cstdlib>
-#include <new>
 #include <vector>
 
 #include <doctest/doctest.h>
 
+#include "allocation_counter.hpp"
 #include "pipeline/pipeline_heads.hpp"
-
-namespace {
-std::atomic<std::size_t> allocations{0};  // other tests of this program have threads
-}
-
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* p = std::malloc(size)) return p;
-  throw std::bad_alloc();
-}
-void operator delete(void* p) noexcept {
-  std::free(p);
-}
-void operator delete(void* p, std::size_t) noexcept {
-  std::free(p);
-}
 
 using namespace holdfast;
 using namespace holdfast::test;
@@ -61,10 +43,10 @@ TEST_CASE("publishing, reading and every stage of a frame allocate nothing, what
 #ifdef EIGEN_RUNTIME_NO_MALLOC
   Eigen::internal::set_is_malloc_allowed(false);
 #endif
-  const std::size_t before = allocations;
+  const std::size_t before = test::allocations();
   double t = 1.0;
   for (FrameLoop& loop : loops) some_frames(loop, t += 1.0);
-  const std::size_t after = allocations;
+  const std::size_t after = test::allocations();
 #ifdef EIGEN_RUNTIME_NO_MALLOC
   Eigen::internal::set_is_malloc_allowed(true);
 #endif
@@ -72,8 +54,8 @@ TEST_CASE("publishing, reading and every stage of a frame allocate nothing, what
   CHECK(std::isfinite(sum));
   CHECK(issues > 0);  // the way of what goes wrong was tried as well
   // The counter does count.
-  const std::size_t start = allocations;
+  const std::size_t start = test::allocations();
   const std::vector<double> some(hmd.left.resolution.width > 0 ? 100 : 0, sum);
-  CHECK(allocations > start);
+  CHECK(test::allocations() > start);
   CHECK(some.size() == 100);
 }

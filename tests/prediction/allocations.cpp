@@ -2,8 +2,6 @@
 // program.
 #include <cmath>
 #include <cstddef>
-#include <cstdlib>
-#include <new>
 #include <string>
 
 #include <doctest/doctest.h>
@@ -11,28 +9,14 @@
 #include <holdfast/prediction/predictor.hpp>
 #include <holdfast/tracking/backward_difference.hpp>
 
-namespace {
-std::size_t allocations = 0;
-}
-
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* p = std::malloc(size)) return p;
-  throw std::bad_alloc();
-}
-void operator delete(void* p) noexcept {
-  std::free(p);
-}
-void operator delete(void* p, std::size_t) noexcept {
-  std::free(p);
-}
+#include "allocation_counter.hpp"
 
 using namespace holdfast;
 
 TEST_CASE("velocity, prediction and covariance allocate nothing, whatever the status") {
   const Rigid older, newer(so3::exp<double>(Vector3(0.01, 0.02, 0.0)), Vector3(0.001, 0, 0));
   double sum = 0.0;
-  const std::size_t before = allocations;
+  const std::size_t before = test::allocations();
   const PoseEstimate estimate = backward_difference({time_at(1.0), older}, {time_at(1.0167), newer}, {1e-4, 2e-4});
   for (const Predictor predictor : predictors) {
     for (const int ms : {-5, 0, 60, 500}) {
@@ -40,12 +24,12 @@ TEST_CASE("velocity, prediction and covariance allocate nothing, whatever the st
       sum += r.covariance.trace() + r.X_WB.p().x();
     }
   }
-  const std::size_t after = allocations;
+  const std::size_t after = test::allocations();
   CHECK(after == before);
   CHECK(std::isfinite(sum));
   // The counter does count.
-  const std::size_t start = allocations;
+  const std::size_t start = test::allocations();
   const std::string long_text(static_cast<std::size_t>(std::abs(sum)) + 100, 'x');
   CHECK(long_text.back() == 'x');
-  CHECK(allocations > start);
+  CHECK(test::allocations() > start);
 }

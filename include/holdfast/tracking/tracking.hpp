@@ -1,6 +1,14 @@
 /// Everything of tracking/.
 #pragma once
 
+#include <holdfast/tracking/advance.hpp>
 #include <holdfast/tracking/backward_difference.hpp>
+#include <holdfast/tracking/camera_sighting.hpp>
+#include <holdfast/tracking/camera_view.hpp>
+#include <holdfast/tracking/device_estimate.hpp>
 #include <holdfast/tracking/head_dynamics.hpp>
+#include <holdfast/tracking/innovation.hpp>
+#include <holdfast/tracking/measurement.hpp>
 #include <holdfast/tracking/pose_estimate.hpp>
+#include <holdfast/tracking/process_model.hpp>
+#include <holdfast/tracking/target_state.hpp>

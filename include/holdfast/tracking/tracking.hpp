@@ -1,6 +1,7 @@
 /// Everything of tracking/.
 #pragma once
 
+#include <holdfast/tracking/acquisition.hpp>
 #include <holdfast/tracking/advance.hpp>
 #include <holdfast/tracking/backward_difference.hpp>
 #include <holdfast/tracking/camera_sighting.hpp>
@@ -11,4 +12,6 @@
 #include <holdfast/tracking/measurement.hpp>
 #include <holdfast/tracking/pose_estimate.hpp>
 #include <holdfast/tracking/process_model.hpp>
+#include <holdfast/tracking/space_resection.hpp>
 #include <holdfast/tracking/target_state.hpp>
+#include <holdfast/tracking/three_point_resection.hpp>

@@ -7,6 +7,7 @@
 #include <holdfast/tracking/camera_sighting.hpp>
 #include <holdfast/tracking/camera_view.hpp>
 #include <holdfast/tracking/device_estimate.hpp>
+#include <holdfast/tracking/device_table.hpp>
 #include <holdfast/tracking/head_dynamics.hpp>
 #include <holdfast/tracking/innovation.hpp>
 #include <holdfast/tracking/measurement.hpp>

@@ -99,11 +99,11 @@ class Program {
     const MatrixOf<float, 3> f = m.cast<float>();
     context_->gl().ProgramUniformMatrix3fv(id(), location, 1, GL_FALSE, f.data());
   }
-  /// An array of two.
-  void set(GLint location, const std::array<Vector3, 2>& vectors) const {
-    std::array<VectorOf<float, 3>, 2> f;
-    for (std::size_t i = 0; i < 2; ++i) f[i] = vectors[i].cast<float>();
-    context_->gl().ProgramUniform3fv(id(), location, 2, f[0].data());
+  template <std::size_t n>
+  void set(GLint location, const std::array<Vector3, n>& vectors) const {
+    std::array<VectorOf<float, 3>, n> f;
+    for (std::size_t i = 0; i < n; ++i) f[i] = vectors[i].template cast<float>();
+    context_->gl().ProgramUniform3fv(id(), location, static_cast<GLsizei>(n), f[0].data());
   }
   /// An array of three.
   void set(GLint location, const std::array<Matrix3, 3>& matrices) const {

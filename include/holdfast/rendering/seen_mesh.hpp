@@ -9,16 +9,23 @@
 ///     const WarpMesh seen(context, seen_mesh(eye, mode));     // once per eye and mode
 ///     late_warp_pass.draw(picture, seen, H_SE, timing, result);  // each frame; `result` is what the eye sees
 ///
-/// The definition that it approximates is ComposedWarp::source_pixel_seen, black beyond the panel's edge.
-/// Units: places 0 to 1 from the lower left, tangents of field angle. Bad input: a cell with a corner that the lens
-/// cannot show is left out; fewer than 1 x 1 cells is a programmer's error.
+/// The definition that it approximates is ComposedWarp::source_pixel_seen, black beyond the panel's edge. Cells are
+/// halved where t_E bends, and along the line where the lens folds over or its domain ends: there the mesh ends within
+/// a smallest cell. Edges of cells are upright or level, so that cells of different size leave no gap.
+/// Units: places 0 to 1 from the lower left, tangents of field angle. Bad input: what the lens cannot show is left out;
+/// settings without cells are a programmer's error.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
+#include <holdfast/assert.hpp>
 #include <holdfast/optics/eye.hpp>
 
 namespace holdfast::rendering {
@@ -36,6 +43,13 @@ struct SeenMesh {
   PixelSize resolution;                  ///< of the seen picture
 };
 
+struct SeenMeshSettings {
+  int cell_px = 16;             ///< side of the largest cells
+  int halvings = 6;             ///< of a cell's side, at most: down to a quarter pixel
+  double max_error_px = 0.005;  ///< of t_E between vertices, in pixels of the seen picture
+  double max_line_px = 0.1;     ///< of the place on the panel, which gives the line
+};
+
 namespace detail {
 
 /// Nothing when the lens cannot show a colour there.
@@ -44,12 +58,17 @@ namespace detail {
   const Vector2 seen = tangent_of_pixel(eye, place.cwiseProduct(size));
   SeenVertex vertex{static_cast<float>(place.x()), static_cast<float>(place.y())};
   for (const Color color : {Color::red, Color::green, Color::blue}) {
+    const auto c = static_cast<std::size_t>(color);
     const Lens& lens = eye.lens_of(color);
+    if (color != Color::red && &lens == &eye.lens_of(Color::red)) {
+      std::copy_n(vertex.tangent[0], 2, vertex.tangent[c]);
+      std::copy_n(vertex.panel[0], 2, vertex.panel[c]);
+      continue;
+    }
     const std::optional<Vector2> panel = mode == LensMode::none ? seen : lens.undistort(seen);
     const std::optional<Vector2> ideal = panel ? ideal_tangent(lens, mode, seen) : std::nullopt;
     if (!ideal) return std::nullopt;
     const Vector2 at = pixel_of_tangent(eye, *panel).cwiseQuotient(size);
-    const auto c = static_cast<std::size_t>(color);
     for (const int axis : {0, 1}) {
       vertex.tangent[c][axis] = static_cast<float>((*ideal)[axis]);
       vertex.panel[c][axis] = static_cast<float>(at[axis]);
@@ -58,44 +77,110 @@ namespace detail {
   return vertex;
 }
 
-}  // namespace detail
+/// Halves cells; places are counted in smallest cells.
+class SeenMesher {
+ public:
+  SeenMesher(const EyeModel& eye, LensMode mode, const SeenMeshSettings& settings)
+      : eye_(eye), mode_(mode), settings_(settings), side_(1 << settings.halvings) {
+    const auto cells = [&](int pixels) { return (pixels + settings.cell_px - 1) / settings.cell_px; };
+    columns_ = cells(eye.resolution.width);
+    rows_ = cells(eye.resolution.height);
+    mesh_.resolution = eye.resolution;
+    mesh_.per_colour = mode != LensMode::none && (eye.lens_red || eye.lens_blue);
+  }
 
-/// Cells of equal size; places beyond the panel are in it, and left black when it is drawn.
-[[nodiscard]] inline SeenMesh seen_mesh(const EyeModel& eye, LensMode mode, int columns, int rows) {
-  HOLDFAST_ASSERT(columns >= 1 && rows >= 1, "a mesh has at least one cell");
-  constexpr std::uint32_t none = 0xffffffff;
-  SeenMesh mesh;
-  mesh.resolution = eye.resolution;
-  mesh.per_colour = mode != LensMode::none && (eye.lens_red || eye.lens_blue);
-  std::vector<std::uint32_t> number;
-  for (int y = 0; y <= rows; ++y) {
-    for (int x = 0; x <= columns; ++x) {
-      const auto vertex = detail::seen_vertex(eye, mode, Vector2(double(x) / columns, double(y) / rows));
-      number.push_back(vertex ? static_cast<std::uint32_t>(mesh.vertices.size()) : none);
-      if (vertex) mesh.vertices.push_back(*vertex);
+  [[nodiscard]] SeenMesh run() {
+    for (int y = 0; y < rows_; ++y) {
+      for (int x = 0; x < columns_; ++x) add(x * side_, y * side_, side_);
+    }
+    return std::move(mesh_);
+  }
+
+ private:
+  static constexpr std::uint32_t unused = 0xffffffff;
+  struct Known {
+    std::optional<SeenVertex> vertex;
+    std::uint32_t number = unused;
+  };
+
+  [[nodiscard]] Known& at(int x, int y) {
+    const auto key = static_cast<std::uint64_t>(y) << 32 | static_cast<std::uint64_t>(x);
+    const auto [entry, is_new] = known_.try_emplace(key);
+    if (is_new) {
+      const Vector2 place(double(x) / (columns_ * side_), double(y) / (rows_ * side_));
+      entry->second.vertex = seen_vertex(eye_, mode_, place);
+    }
+    return entry->second;
+  }
+
+  void add(int x, int y, int side) {
+    if (side == 1) return add_triangles(x, y, side);
+    const int half = side / 2;
+    bool all = true, any = false;
+    for (const int dy : {0, half, side}) {
+      for (const int dx : {0, half, side}) {
+        const bool is_seen = at(x + dx, y + dy).vertex.has_value();
+        all = all && is_seen;
+        any = any || is_seen;
+      }
+    }
+    if (!any) return;
+    if (all && is_flat(x, y, side)) return add_triangles(x, y, side);
+    for (const int dy : {0, half}) {
+      for (const int dx : {0, half}) add(x + dx, y + dy, half);
     }
   }
-  const auto stride = static_cast<std::size_t>(columns) + 1;
-  for (std::size_t y = 0; y < static_cast<std::size_t>(rows); ++y) {
-    for (std::size_t x = 0; x + 1 < stride; ++x) {
-      const std::size_t at = y * stride + x;
-      const std::array corners{number[at], number[at + 1], number[at + stride + 1], number[at + stride]};
-      for (const auto& t : {std::array{0, 1, 2}, std::array{0, 2, 3}}) {
-        const std::array triangle{corners[std::size_t(t[0])], corners[std::size_t(t[1])], corners[std::size_t(t[2])]};
-        if (triangle[0] == none || triangle[1] == none || triangle[2] == none) continue;
-        mesh.triangles.insert(mesh.triangles.end(), triangle.begin(), triangle.end());
+
+  /// Whether the middle and the edges' middles lie where the two triangles have them.
+  [[nodiscard]] bool is_flat(int x, int y, int side) {
+    return is_between(x, y, side, side) && is_between(x, y, side, 0) && is_between(x, y, 0, side) &&
+           is_between(x + side, y, 0, side) && is_between(x, y + side, side, 0);
+  }
+  [[nodiscard]] bool is_between(int x, int y, int dx, int dy) {
+    const SeenVertex &a = *at(x, y).vertex, &b = *at(x + dx, y + dy).vertex, &m = *at(x + dx / 2, y + dy / 2).vertex;
+    const Vector2 size(eye_.resolution.width, eye_.resolution.height), scale = pixels_per_tangent(eye_);
+    for (int c = 0; c < 3; ++c) {
+      for (int axis = 0; axis < 2; ++axis) {
+        const double tangent = m.tangent[c][axis] - 0.5 * (double(a.tangent[c][axis]) + b.tangent[c][axis]);
+        const double panel = m.panel[c][axis] - 0.5 * (double(a.panel[c][axis]) + b.panel[c][axis]);
+        if (!(std::abs(tangent) * scale[axis] <= settings_.max_error_px)) return false;
+        if (!(std::abs(panel) * size[axis] <= settings_.max_line_px)) return false;
+      }
+    }
+    return true;
+  }
+
+  /// Those whose corners are seen.
+  void add_triangles(int x, int y, int side) {
+    const std::array corners{&at(x, y), &at(x + side, y), &at(x + side, y + side), &at(x, y + side)};
+    for (const auto& t : {std::array{0u, 1u, 2u}, std::array{0u, 2u, 3u}}) {
+      const auto is_seen = [&](std::size_t i) { return corners[i]->vertex.has_value(); };
+      if (!std::all_of(t.begin(), t.end(), is_seen)) continue;
+      for (const std::size_t i : t) {
+        Known& corner = *corners[i];
+        if (corner.number == unused) {
+          corner.number = static_cast<std::uint32_t>(mesh_.vertices.size());
+          mesh_.vertices.push_back(*corner.vertex);
+        }
+        mesh_.triangles.push_back(corner.number);
       }
     }
   }
-  return mesh;
-}
 
-/// Without a lens or with exact correction t_E is the tangent seen, which cells of 16 pixels give exactly, and the lines
-/// to 1e-4 of their number; else t_E bends, and cells are of 4 pixels, which costs time to draw.
-[[nodiscard]] inline SeenMesh seen_mesh(const EyeModel& eye, LensMode mode) {
-  const int cell_px = mode == LensMode::none || mode == LensMode::exact ? 16 : 4;
-  const auto cells = [&](int pixels) { return (pixels + cell_px - 1) / cell_px; };
-  return seen_mesh(eye, mode, cells(eye.resolution.width), cells(eye.resolution.height));
+  const EyeModel& eye_;
+  LensMode mode_;
+  SeenMeshSettings settings_;
+  int side_, columns_ = 0, rows_ = 0;
+  std::unordered_map<std::uint64_t, Known> known_;  // its values keep their place
+  SeenMesh mesh_;
+};
+
+}  // namespace detail
+
+/// Places beyond the panel are in it, and left black when it is drawn.
+[[nodiscard]] inline SeenMesh seen_mesh(const EyeModel& eye, LensMode mode, const SeenMeshSettings& settings = {}) {
+  HOLDFAST_ASSERT(settings.cell_px >= 1 && settings.halvings >= 0 && settings.halvings <= 12, "a mesh has cells");
+  return detail::SeenMesher(eye, mode, settings).run();
 }
 
 }  // namespace holdfast::rendering

@@ -6,11 +6,14 @@
 #include <holdfast/tracking/backward_difference.hpp>
 #include <holdfast/tracking/camera_sighting.hpp>
 #include <holdfast/tracking/camera_view.hpp>
+#include <holdfast/tracking/collinearity.hpp>
 #include <holdfast/tracking/device_estimate.hpp>
 #include <holdfast/tracking/device_table.hpp>
 #include <holdfast/tracking/head_dynamics.hpp>
 #include <holdfast/tracking/innovation.hpp>
+#include <holdfast/tracking/mcaat_filter.hpp>
 #include <holdfast/tracking/measurement.hpp>
+#include <holdfast/tracking/observation_window.hpp>
 #include <holdfast/tracking/pose_estimate.hpp>
 #include <holdfast/tracking/process_model.hpp>
 #include <holdfast/tracking/space_resection.hpp>

@@ -13,5 +13,6 @@
 #include <holdfast/pipeline/pipeline.hpp>
 #include <holdfast/prediction/prediction.hpp>
 #include <holdfast/registration/registration.hpp>
+#include <holdfast/simulation/simulation.hpp>
 #include <holdfast/timing/timing.hpp>
 #include <holdfast/tracking/tracking.hpp>

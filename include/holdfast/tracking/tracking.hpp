@@ -16,6 +16,7 @@
 #include <holdfast/tracking/observation_window.hpp>
 #include <holdfast/tracking/pose_estimate.hpp>
 #include <holdfast/tracking/process_model.hpp>
+#include <holdfast/tracking/sighting_noise.hpp>
 #include <holdfast/tracking/space_resection.hpp>
 #include <holdfast/tracking/target_state.hpp>
 #include <holdfast/tracking/three_point_resection.hpp>

@@ -1,0 +1,11 @@
+/// Everything of simulation/.
+#pragma once
+
+#include <holdfast/simulation/ceiling_footprint.hpp>
+#include <holdfast/simulation/ceiling_motion.hpp>
+#include <holdfast/simulation/faults.hpp>
+#include <holdfast/simulation/hiball_ceiling.hpp>
+#include <holdfast/simulation/hiball_rig.hpp>
+#include <holdfast/simulation/hiball_sightings.hpp>
+#include <holdfast/simulation/keyed_numbers.hpp>
+#include <holdfast/simulation/sighting_stream.hpp>

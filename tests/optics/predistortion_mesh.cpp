@@ -66,11 +66,12 @@ TEST_CASE("the error between the vertices keeps to the bound, and the bound deci
     CHECK(mesh.vertices.size() < coarser);
     coarser = mesh.vertices.size();
   }
-  // 0.05 px at 1280 x 720. Right triangles of the longest edge h err by |f''| h^2 / 8, |f''| of this lens being about
-  // 5 k r / r_norm^2: 29,000 of them at r = 400 px, the mean, if each had all of the bound.
+  // 0.05 px at 1280 x 720. Triangles d along the radius and L across err by (f'' d^2 + A L^2) / 8, with f'' = 6 k r and
+  // A = 2 k r in the lens's unit of 360 px. With half of the bound each their area d L / 2 is 2 e / sqrt(f'' A): 18,000 of
+  // them at r = 400 px, the mean, if each had all of the bound.
   const PredistortionMesh mesh = adaptive_mesh(eye, LensMode::exact);
-  CHECK(mesh.triangle_count() > 25'000);
-  CHECK(mesh.triangle_count() < 45'000);
+  CHECK(mesh.triangle_count() > 18'000);
+  CHECK(mesh.triangle_count() < 27'000);
   CHECK_FALSE(mesh.per_color);
 }
 

@@ -85,6 +85,8 @@ class BivariateMap {
   }
   [[nodiscard]] double limit() const { return c_.limit; }
 
+  friend bool operator==(const BivariateMap&, const BivariateMap&) = default;
+
  private:
   BivariateCoefficients c_;
 };

@@ -84,6 +84,8 @@ class BrownConradyMap {
         std::min({widest, detail::first_sign_change(near_pole, widest), detail::first_sign_change(slope, widest)}));
   }
 
+  friend bool operator==(const BrownConradyMap&, const BrownConradyMap&) = default;
+
  private:
   BrownConradyCoefficients c_;
 };

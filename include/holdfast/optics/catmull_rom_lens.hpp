@@ -52,6 +52,8 @@ class CatmullRomProfile {
   }
 
   [[nodiscard]] const CatmullRomCoefficients& coefficients() const { return c_; }
+  /// Where the slope jumps: x = 9.
+  [[nodiscard]] double kink() const { return std::sqrt(0.9) * c_.r_max; }
 
   [[nodiscard]] double scale(double r2) const {
     const double x = r2 * x_per_r2_;
@@ -91,6 +93,8 @@ class CatmullRomProfile {
     }
     return std::numeric_limits<double>::infinity();
   }
+
+  friend bool operator==(const CatmullRomProfile&, const CatmullRomProfile&) = default;
 
  private:
   [[nodiscard]] static std::size_t piece(double x) { return x < 10.0 ? static_cast<std::size_t>(x) : 10; }

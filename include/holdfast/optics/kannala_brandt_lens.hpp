@@ -74,6 +74,8 @@ class KannalaBrandtLens {
     return detail::radial_jacobian(v, panel.seen / tangent, panel.slope / (1.0 + tangent * tangent));
   }
 
+  friend bool operator==(const KannalaBrandtLens&, const KannalaBrandtLens&) = default;
+
  private:
   [[nodiscard]] double seen_angle(double r) const {
     return detail::inverted_radius(polynomial_, std::min(r, panel_max_), theta_max_);

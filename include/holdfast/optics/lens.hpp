@@ -125,6 +125,8 @@ class Lens {
   /// The paper's predistortion u (1 + k_pd |u|^2), itself a lens: draw at cubic_inverse().distort(ideal).
   [[nodiscard]] Lens cubic_inverse() const { return {RadialLens{k_pd_}, placement_}; }
 
+  friend bool operator==(const Lens&, const Lens&) = default;
+
  private:
   /// std::visit, which takes an indirect call for so many, with the most common models first.
   template <typename Function>

@@ -38,6 +38,8 @@ struct NoLens {
   [[nodiscard]] std::optional<Matrix2> undistort_jacobian(const Vector2&) const { return Matrix2::Identity(); }
   [[nodiscard]] double valid_radius() const { return std::numeric_limits<double>::infinity(); }
   [[nodiscard]] double valid_image_radius() const { return std::numeric_limits<double>::infinity(); }
+
+  friend bool operator==(const NoLens&, const NoLens&) = default;
 };
 
 /// The inverse's Jacobian by inverting distort's where `v` came from: what most models answer.

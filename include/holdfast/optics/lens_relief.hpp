@@ -35,19 +35,19 @@ struct LensesAtRelief {
 namespace detail {
 
 /// a at t = 0, b at t = 1, to the last bit.
-[[nodiscard]] inline double mixed(double a, double b, double t) {
+[[nodiscard]] inline double between(double a, double b, double t) {
   return (1.0 - t) * a + t * b;
 }
 template <std::size_t N>
-[[nodiscard]] std::array<double, N> mixed(const std::array<double, N>& a, const std::array<double, N>& b, double t) {
+[[nodiscard]] std::array<double, N> between(const std::array<double, N>& a, const std::array<double, N>& b, double t) {
   std::array<double, N> c{};
-  for (std::size_t i = 0; i < N; ++i) c[i] = mixed(a[i], b[i], t);
+  for (std::size_t i = 0; i < N; ++i) c[i] = between(a[i], b[i], t);
   return c;
 }
 /// Missing coefficients are zero.
-[[nodiscard]] inline std::vector<double> mixed(std::span<const double> a, std::span<const double> b, double t) {
+[[nodiscard]] inline std::vector<double> between(std::span<const double> a, std::span<const double> b, double t) {
   std::vector<double> c(std::max(a.size(), b.size()));
-  for (std::size_t i = 0; i < c.size(); ++i) c[i] = mixed(i < a.size() ? a[i] : 0.0, i < b.size() ? b[i] : 0.0, t);
+  for (std::size_t i = 0; i < c.size(); ++i) c[i] = between(i < a.size() ? a[i] : 0.0, i < b.size() ? b[i] : 0.0, t);
   return c;
 }
 
@@ -55,50 +55,51 @@ template <std::size_t N>
   return NoLens{};
 }
 [[nodiscard]] inline std::optional<RadialLens> between(const RadialLens& a, const RadialLens& b, double t) {
-  return RadialLens{mixed(a.k, b.k, t)};
+  return RadialLens{between(a.k, b.k, t)};
 }
 [[nodiscard]] inline std::optional<PolynomialLens> between(const PolynomialLens& a, const PolynomialLens& b, double t) {
-  return PolynomialLens(mixed(a.coefficients(), b.coefficients(), t), mixed(a.k0(), b.k0(), t));
+  return PolynomialLens(between(a.coefficients(), b.coefficients(), t), between(a.k0(), b.k0(), t));
 }
 [[nodiscard]] inline std::optional<PowerSeriesLens> between(const PowerSeriesLens& a, const PowerSeriesLens& b,
                                                             double t) {
-  return PowerSeriesLens(mixed(a.coefficients(), b.coefficients(), t));
+  return PowerSeriesLens(between(a.coefficients(), b.coefficients(), t));
 }
 [[nodiscard]] inline std::optional<ViveLens> between(const ViveLens& a, const ViveLens& b, double t) {
   const ViveCoefficients& p = a.coefficients();
   const ViveCoefficients& q = b.coefficients();
-  return ViveLens({mixed(p.k1, q.k1, t), mixed(p.k2, q.k2, t), mixed(p.k3, q.k3, t), mixed(p.k4, q.k4, t)});
+  return ViveLens({between(p.k1, q.k1, t), between(p.k2, q.k2, t), between(p.k3, q.k3, t), between(p.k4, q.k4, t)});
 }
 /// The splines' values are mixed at the knots of the mixed r_max; chroma by itself.
 [[nodiscard]] inline std::optional<CatmullRomLens> between(const CatmullRomLens& a, const CatmullRomLens& b, double t) {
   const CatmullRomCoefficients& p = a.coefficients();
   const CatmullRomCoefficients& q = b.coefficients();
-  CatmullRomCoefficients c{mixed(p.knots, q.knots, t), mixed(p.r_max, q.r_max, t), mixed(p.chroma, q.chroma, t)};
+  CatmullRomCoefficients c{between(p.knots, q.knots, t), between(p.r_max, q.r_max, t), between(p.chroma, q.chroma, t)};
   if (p.r_max != q.r_max) {
     const CatmullRomProfile p_green({p.knots, p.r_max, {0.0, 0.0}});
     const CatmullRomProfile q_green({q.knots, q.r_max, {0.0, 0.0}});
     for (std::size_t k = 1; k < c.knots.size(); ++k) {
       const double r2 = static_cast<double>(k) / 10.0 * c.r_max * c.r_max;
-      c.knots[k] = mixed(p_green.scale(r2), q_green.scale(r2), t);
+      c.knots[k] = between(p_green.scale(r2), q_green.scale(r2), t);
     }
   }
   return CatmullRomLens(c);
 }
 [[nodiscard]] inline std::optional<KannalaBrandtLens> between(const KannalaBrandtLens& a, const KannalaBrandtLens& b,
                                                               double t) {
-  return KannalaBrandtLens(mixed(a.coefficients(), b.coefficients(), t));
+  return KannalaBrandtLens(between(a.coefficients(), b.coefficients(), t));
 }
 [[nodiscard]] inline std::optional<BrownConradyLens> between(const BrownConradyLens& a, const BrownConradyLens& b,
                                                              double t) {
   const BrownConradyCoefficients& p = a.coefficients();
   const BrownConradyCoefficients& q = b.coefficients();
-  return BrownConradyLens({mixed(p.k1, q.k1, t), mixed(p.k2, q.k2, t), mixed(p.p1, q.p1, t), mixed(p.p2, q.p2, t),
-                           mixed(p.k3, q.k3, t), mixed(p.k4, q.k4, t), mixed(p.k5, q.k5, t), mixed(p.k6, q.k6, t)});
+  return BrownConradyLens({between(p.k1, q.k1, t), between(p.k2, q.k2, t), between(p.p1, q.p1, t),
+                           between(p.p2, q.p2, t), between(p.k3, q.k3, t), between(p.k4, q.k4, t),
+                           between(p.k5, q.k5, t), between(p.k6, q.k6, t)});
 }
 [[nodiscard]] inline std::optional<BivariateLens> between(const BivariateLens& a, const BivariateLens& b, double t) {
   const BivariateCoefficients& p = a.coefficients();
   const BivariateCoefficients& q = b.coefficients();
-  const BivariateCoefficients c{mixed(p.x, q.x, t), mixed(p.y, q.y, t), mixed(p.limit, q.limit, t)};
+  const BivariateCoefficients c{between(p.x, q.x, t), between(p.y, q.y, t), between(p.limit, q.limit, t)};
   if (BivariateLens::problem_of(c) != LensProblem::none) return std::nullopt;  // two rotations may cancel
   return BivariateLens(c);
 }
@@ -127,7 +128,7 @@ template <LensModel M>
         if (!second) return std::nullopt;
         const auto model = detail::between(first, *second, t);
         if (!model) return std::nullopt;
-        return Lens(*model, placement, detail::mixed(a.k_pd(), b.k_pd(), t));
+        return Lens(*model, placement, detail::between(a.k_pd(), b.k_pd(), t));
       },
       a.model());
 }

@@ -225,15 +225,15 @@ class Overfill {
   return overfilled_size(eye.resolution, eye.tangents, wider);
 }
 
-/// A field that is to be drawn, and its pixels.
-struct DeflectedField {
-  FieldTangents tangents;
+/// The picture that one eye's renderer fills.
+struct EyePicture {
+  FieldTangents tangents;  ///< of the picture's edges
   PixelSize size;
 };
 
 /// `wider`, moved outward to whole pixels of the eye's own picture: each of its pixels is then exactly one of the wider
 /// picture. Precondition: `wider` holds the eye's tangents, edges in the same order.
-[[nodiscard]] inline DeflectedField whole_pixels(const EyeModel& eye, const FieldTangents& wider) {
+[[nodiscard]] inline EyePicture whole_pixels(const EyeModel& eye, const FieldTangents& wider) {
   const FieldTangents& t = eye.tangents;
   const double dx = (t.right - t.left) / eye.resolution.width, dy = (t.up - t.down) / eye.resolution.height;
   const auto count = [](double more, double pixel) { return static_cast<int>(std::ceil(more / pixel - 1e-9)); };

@@ -191,6 +191,8 @@ class PlanarModel {
     return slow_undistort(v, u, 1e-13 * (1.0 + v.norm()));
   }
 
+  friend bool operator==(const PlanarModel& a, const PlanarModel& b) { return a.map_ == b.map_; }
+
  private:
   static constexpr int newton_steps = 60;
 

@@ -52,6 +52,9 @@ class PointMeshLens {
     return Matrix2(mesh_->jacobians[static_cast<std::size_t>(place->triangle)].inverse());
   }
 
+  /// The same mesh, not one with the same samples.
+  friend bool operator==(const PointMeshLens&, const PointMeshLens&) = default;
+
  private:
   [[nodiscard]] Vector2 blend(const TriangleGrid::Place& place, Vector2 PointMeshSample::*side) const {
     const std::array<int, 3>& t = mesh_->triangles[static_cast<std::size_t>(place.triangle)];

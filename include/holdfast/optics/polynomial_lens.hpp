@@ -43,6 +43,15 @@ class EvenPolynomial {
     for (std::size_t i = count_; i-- > 0;) sum = (sum + k_[i]) * r2;
     return k0_ + sum;
   }
+  /// The same for many: r2 becomes its scale.
+  template <std::size_t N>
+  void scale(std::array<double, N>& r2) const {
+    std::array<double, N> sum{};
+    for (std::size_t k = count_; k-- > 0;) {
+      for (std::size_t i = 0; i < N; ++i) sum[i] = (sum[i] + k_[k]) * r2[i];
+    }
+    for (std::size_t i = 0; i < N; ++i) r2[i] = k0_ + sum[i];
+  }
   [[nodiscard]] RadialValue at(double r) const {
     const double r2 = r * r;
     double sum = 0.0;    // k1 r^2 + k2 r^4 + ...
@@ -61,6 +70,8 @@ class EvenPolynomial {
     constexpr double beyond_all_use = 1e12;  // of r^2
     return std::sqrt(detail::first_sign_change(slope, beyond_all_use));
   }
+
+  friend bool operator==(const EvenPolynomial&, const EvenPolynomial&) = default;
 
  private:
   std::array<double, max_coefficients> k_{};

@@ -60,6 +60,8 @@ class PowerSeries {
     return detail::first_sign_change(slope, beyond_all_use);
   }
 
+  friend bool operator==(const PowerSeries&, const PowerSeries&) = default;
+
  private:
   std::array<double, max_coefficients> c_{1.0};
   std::size_t count_ = 1;

@@ -24,12 +24,25 @@
 #include <optional>
 
 #include <holdfast/optics/eye.hpp>
+#include <holdfast/optics/hmd.hpp>
 #include <holdfast/optics/predistortion_mesh_types.hpp>
 
 namespace holdfast {
 
 [[nodiscard]] inline PredistortionMesh adaptive_mesh(const EyeModel& eye, LensMode mode,
                                                      const AdaptiveMeshOptions& options = {});
+
+/// Both eyes' meshes. Of a symmetric headset the right eye's is the left one's mirror image, to the last bit what
+/// adaptive_mesh makes, and costs little more than its memory. options.field is the left eye's; the right one's is its
+/// mirror image.
+struct EyeMeshes {
+  PredistortionMesh left, right;
+};
+[[nodiscard]] inline EyeMeshes adaptive_meshes(const HmdModel& hmd, LensMode mode,
+                                               const AdaptiveMeshOptions& options = {});
+
+/// The mesh of the other eye of a symmetric headset.
+[[nodiscard]] inline PredistortionMesh mirrored(PredistortionMesh mesh);
 
 /// columns x rows cells of two triangles each. Its border is cut along the true one, with the grid's own coarseness.
 [[nodiscard]] inline PredistortionMesh grid_mesh(const EyeModel& eye, LensMode mode, int columns, int rows,

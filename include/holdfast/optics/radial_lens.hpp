@@ -23,6 +23,7 @@
 
 #include <holdfast/geometry/types.hpp>
 #include <holdfast/optics/lens_problem.hpp>
+#include <holdfast/optics/radial_model.hpp>
 
 namespace holdfast {
 
@@ -92,6 +93,14 @@ struct RadialLens {
     if (!(J.determinant() > 0.0)) return std::nullopt;
     return Matrix2(J.inverse());
   }
+
+  /// The lens as a RadialProfile: it is its own.
+  [[nodiscard]] const RadialLens& profile() const { return *this; }
+  [[nodiscard]] double scale(double r2) const { return 1.0 + k * r2; }
+  [[nodiscard]] RadialValue at(double r) const { return {r * (1.0 + k * r * r), 1.0 + 3.0 * k * r * r}; }
+  [[nodiscard]] double fold() const { return valid_radius(); }
+
+  friend bool operator==(const RadialLens&, const RadialLens&) = default;
 };
 
 }  // namespace holdfast

@@ -13,6 +13,7 @@
 #include <concepts>
 #include <limits>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 #include <holdfast/geometry/types.hpp>
@@ -31,6 +32,12 @@ concept RadialProfile = requires(const P& profile, double r) {
   { profile.scale(r) } -> std::same_as<double>;    ///< f(r) / r, of r^2 (so that even polynomials need no root)
   { profile.at(r) } -> std::same_as<RadialValue>;  ///< of r
   { profile.fold() } -> std::same_as<double>;      ///< up to which f rises; may be infinite
+};
+
+/// Profiles whose slope jumps at one radius say where. All others are smooth, or nearly: their slope is continuous.
+template <typename P>
+concept KinkedProfile = requires(const P& profile) {
+  { profile.kink() } -> std::same_as<double>;
 };
 
 namespace detail {
@@ -74,6 +81,12 @@ template <RadialProfile P>
 
 }  // namespace detail
 
+/// Lenses that are a function of the radius alone, with its profile at hand.
+template <typename M>
+concept RadiallySymmetric = requires(const M& model) {
+  requires RadialProfile<std::remove_cvref_t<decltype(model.profile())>>;
+};
+
 template <RadialProfile P>
 class RadialModel {
  public:
@@ -104,6 +117,8 @@ class RadialModel {
   [[nodiscard]] std::optional<Matrix2> undistort_jacobian(const Vector2& v) const {
     return inverted_jacobian(*this, v);
   }
+
+  friend bool operator==(const RadialModel&, const RadialModel&) = default;
 
  private:
   P profile_;

@@ -34,6 +34,8 @@ class ReversedLens {
     return model_.distort_jacobian(v);
   }
 
+  friend bool operator==(const ReversedLens&, const ReversedLens&) = default;
+
  private:
   M model_;
 };

@@ -59,6 +59,8 @@ class ViveProfile {
                               detail::first_sign_change(near_pole, beyond_all_use)));
   }
 
+  friend bool operator==(const ViveProfile&, const ViveProfile&) = default;
+
  private:
   [[nodiscard]] double denominator(double x) const { return 1.0 + x * (k_.k1 + x * (k_.k2 + x * k_.k3)); }
 

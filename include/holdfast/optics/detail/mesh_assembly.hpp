@@ -26,14 +26,17 @@ class MeshAssembly {
   }
 
   /// The part of the draft that shows something.
-  [[nodiscard]] PredistortionMesh assemble(const MeshDraft& draft) && {
+  [[nodiscard]] PredistortionMesh assemble(MeshDraft draft) && {
     look_at(draft.points);
     if (std::find(inside_.begin(), inside_.end(), 0) == inside_.end()) {
-      mesh_.triangles.reserve(3 * draft.triangles.size());
-      for (const auto& v : draft.triangles) push(v);
+      mesh_.triangles = std::move(draft.triangles);
+      if (mirror_) turn_over(mesh_.triangles);
     } else {
       drop_what_shows_nothing();
-      for (const auto& v : draft.triangles) add_cut(draft, v);
+      mesh_.triangles.reserve(draft.triangles.size());
+      for (std::size_t t = 0; t < draft.triangles.size(); t += 3) {
+        add_cut(draft, {draft.triangles[t], draft.triangles[t + 1], draft.triangles[t + 2]});
+      }
       drop_unused();
     }
     if (mesh_.triangles.empty()) {
@@ -94,6 +97,10 @@ class MeshAssembly {
     mesh_.triangles.insert(mesh_.triangles.end(), turned.begin(), turned.end());
   }
 
+  static void turn_over(std::vector<std::uint32_t>& triangles) {
+    for (std::size_t t = 0; t < triangles.size(); t += 3) std::swap(triangles[t], triangles[t + 1]);
+  }
+
   void drop_what_shows_nothing() {
     index_.assign(inside_.size(), none);
     std::uint32_t kept = 0;
@@ -106,17 +113,14 @@ class MeshAssembly {
   }
 
   void add_cut(const MeshDraft& draft, const std::array<std::uint32_t, 3>& v) {
+    if (inside_[v[0]] && inside_[v[1]] && inside_[v[2]]) return push({index_[v[0]], index_[v[1]], index_[v[2]]});
     const CutTriangle shown = cut({inside_[v[0]] != 0, inside_[v[1]] != 0, inside_[v[2]] != 0});
     for (std::size_t i = 0; i < shown.count; ++i) {
       const auto& part = shown.parts[i];
-      if (!part[0].is_on_border() && !part[1].is_on_border() && !part[2].is_on_border()) {
-        push({index_[v[part[0].in]], index_[v[part[1].in]], index_[v[part[2].in]]});
-        continue;
-      }
       std::array<PanelPoint, 3> corner;
       for (std::size_t k = 0; k < 3; ++k) {
-        const PanelPoint &in = draft.points[v[part[k].in]], &out = draft.points[v[part[k].out]];
-        corner[k] = part[k].is_on_border() ? border_between(looker_, in, out) : in;
+        const std::uint32_t in = v[part[k].in], out = v[part[k].out];
+        corner[k] = part[k].is_on_border() ? border(draft, in, out).point : draft.points[in];
       }
       // Slivers without area, and those that a fold turns over.
       if (!has_area(corner[0], corner[1], corner[2])) continue;
@@ -125,17 +129,30 @@ class MeshAssembly {
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t in = v[part[k].in], out = v[part[k].out];
         // A border that begins right at the vertex needs no other.
-        index[k] = corner[k] == draft.points[in] ? index_[in] : border_index(in, out, corner[k]);
+        index[k] = corner[k] == draft.points[in] ? index_[in] : border_index(border(draft, in, out));
       }
       push(index);
     }
   }
 
-  [[nodiscard]] std::uint32_t border_index(std::uint32_t in, std::uint32_t out, const PanelPoint& p) {
-    const auto next = static_cast<std::uint32_t>(mesh_.vertices.size());
-    const auto [entry, is_new] = border_.try_emplace((static_cast<std::uint64_t>(in) << 32) | out, next);
-    if (is_new) mesh_.vertices.push_back(vertex(p, looker_.look(p)));
+  struct BorderPoint {
+    PanelPoint point;
+    std::uint32_t index = none;  ///< of its vertex, once it has one
+  };
+
+  /// Where the border crosses the draft's edge from `in`, which shows something, to `out`.
+  [[nodiscard]] BorderPoint& border(const MeshDraft& draft, std::uint32_t in, std::uint32_t out) {
+    const auto [entry, is_new] = border_.try_emplace((static_cast<std::uint64_t>(in) << 32) | out);
+    if (is_new) entry->second.point = border_between(looker_, draft.points[in], draft.points[out]);
     return entry->second;
+  }
+
+  [[nodiscard]] std::uint32_t border_index(BorderPoint& on_border) {
+    if (on_border.index == none) {
+      on_border.index = static_cast<std::uint32_t>(mesh_.vertices.size());
+      mesh_.vertices.push_back(vertex(on_border.point, looker_.look(on_border.point)));
+    }
+    return on_border.index;
   }
 
   /// Vertices that only dropped slivers had.
@@ -156,7 +173,7 @@ class MeshAssembly {
   PredistortionMesh mesh_;
   std::vector<std::uint8_t> inside_;  ///< which points of the draft show something
   std::vector<std::uint32_t> index_;  ///< of the mesh's vertex, for each such point
-  std::unordered_map<std::uint64_t, std::uint32_t> border_;
+  std::unordered_map<std::uint64_t, BorderPoint> border_;
   bool mirror_, turn_;
 };
 

@@ -62,7 +62,7 @@ struct CutTriangle {
   std::int64_t low = 0, high = steps;
   while (high - low > 1) {
     const std::int64_t middle = (low + high) / 2;
-    (looker.look(at(middle)).inside ? low : high) = middle;
+    (looker.shows(at(middle)) ? low : high) = middle;
   }
   return at(low);
 }

@@ -13,7 +13,7 @@ namespace holdfast::detail {
 /// Points and triangles on the panel, before a border cuts them.
 struct MeshDraft {
   std::vector<PanelPoint> points;
-  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise
+  std::vector<std::uint32_t> triangles;  ///< three points each, counter-clockwise
 };
 
 /// Node (i, j) of a triangle is i/pieces towards corner 1 and j/pieces towards corner 2.
@@ -56,16 +56,31 @@ class PieceLattice {
   MeshDraft draft;
   draft.points = coarse.points();
   const auto& triangles = coarse.triangles();
-  draft.triangles.reserve(triangles.size() * pieces * pieces);
+  draft.triangles.reserve(3 * triangles.size() * pieces * pieces);
   if (pieces == 1) {
-    for (const auto& t : triangles) draft.triangles.push_back(t.v);
+    for (const auto& t : triangles) draft.triangles.insert(draft.triangles.end(), t.v.begin(), t.v.end());
     return draft;
   }
   const PieceLattice lattice(pieces);
+  std::vector<std::size_t> of_piece;  // nodes of every small triangle
+  lattice.for_triangles([&](std::size_t a, std::size_t b, std::size_t c) {
+    of_piece.insert(of_piece.end(), {a, b, c});
+  });
   const std::uint32_t between = pieces - 1;  // nodes inside an edge
   draft.points.reserve(draft.points.size() + triangles.size() * pieces * pieces / 2 + triangles.size() * 2);
   std::vector<std::array<std::uint32_t, 3>> first_on_edge(triangles.size());  // edge from corner 0, 1, 2 to the next
   std::vector<std::uint32_t> node(lattice.size());
+  // pieces steps of `step` from p; steps that are not whole wrap around.
+  const auto along = [](const PanelPoint& p, const PanelPoint& step, std::uint32_t k) {
+    return PanelPoint{p.x + k * step.x, p.y + k * step.y};
+  };
+  const auto step = [&](const PanelPoint& p, const PanelPoint& q) {
+    const auto one = [&](std::uint32_t a, std::uint32_t b) {
+      return static_cast<std::uint32_t>((static_cast<std::int32_t>(b) - static_cast<std::int32_t>(a)) /
+                                        static_cast<std::int32_t>(pieces));  // it divides
+    };
+    return PanelPoint{one(p.x, q.x), one(p.y, q.y)};
+  };
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     const Bisection::Triangle& triangle = triangles[t];
     std::array<PanelPoint, 3> corner;
@@ -83,23 +98,21 @@ class PieceLattice {
         first = first_on_edge[neighbour][(opposite + 1) % 3];
       }
       first_on_edge[t][from] = first;
+      const PanelPoint edge_step = step(corner[from], corner[(from + 1) % 3]);
       for (std::uint32_t k = 1; k < pieces; ++k) {
         node[lattice.on_edge(from, k)] = is_known ? first + between - k : first + k - 1;
-        if (is_known) continue;
-        const PanelPoint &p = corner[from], &q = corner[(from + 1) % 3];
-        const auto along = [&](std::uint32_t a, std::uint32_t b) { return (a * (pieces - k) + b * k) / pieces; };
-        draft.points.push_back({along(p.x, q.x), along(p.y, q.y)});
+        if (!is_known) draft.points.push_back(along(corner[from], edge_step, k));
       }
     }
+    const PanelPoint right = step(corner[0], corner[1]), up = step(corner[0], corner[2]);
     for (std::uint32_t j = 1; j < pieces; ++j) {
+      const PanelPoint row = along(corner[0], up, j);
       for (std::uint32_t i = 1; i + j < pieces; ++i) {
         node[lattice.index(i, j)] = static_cast<std::uint32_t>(draft.points.size());
-        draft.points.push_back(lattice.point(corner, i, j));
+        draft.points.push_back(along(row, right, i));
       }
     }
-    lattice.for_triangles([&](std::size_t a, std::size_t b, std::size_t c) {
-      draft.triangles.push_back({node[a], node[b], node[c]});
-    });
+    for (const std::size_t n : of_piece) draft.triangles.push_back(node[n]);
   }
   return draft;
 }

@@ -13,6 +13,7 @@
 #include <variant>
 
 #include <holdfast/optics/catmull_rom_lens.hpp>
+#include <holdfast/optics/detail/radial_bend.hpp>
 #include <holdfast/optics/eye.hpp>
 #include <holdfast/optics/point_mesh_lens.hpp>
 
@@ -37,6 +38,9 @@ class PanelMap {
           has_end_ || (!identity_ && std::isfinite(lenses_[static_cast<std::size_t>(c)].valid_radius())) || inverse_;
       smooth_ =
           smooth_ && (identity_ || inverse_ || !(lens.model_if<PointMeshLens>() || lens.model_if<CatmullRomLens>()));
+      radial_ = radial_ && !inverse_ && (detail::is_radial(lens) || lens.model_if<NoLens>());
+      const double end = end_radius(lens);
+      end_radius2_[static_cast<std::size_t>(c)] = end * end;
     }
     if (colours_ == 1) identity_ = identity_ || lenses_[0].model_if<NoLens>() != nullptr;
     if (!field) return;
@@ -68,6 +72,12 @@ class PanelMap {
   }
   /// A few points tell how the lens bends between them, and no border is expected but perhaps that of its domain.
   [[nodiscard]] bool is_simple() const { return smooth_ && !inverse_ && !field_ && !identity_; }
+  /// All lenses are radial, and looked through as they are: RadialBend knows them.
+  [[nodiscard]] bool is_radial() const { return radial_ && !identity_; }
+  [[nodiscard]] std::span<const Lens> lenses() const {
+    return std::span(lenses_).first(static_cast<std::size_t>(colours_));
+  }
+  [[nodiscard]] bool has_field() const { return field_.has_value(); }
   /// Every panel point shows its own tangent.
   [[nodiscard]] bool is_identity() const { return identity_; }
   /// Some of the panel may show nothing.
@@ -92,6 +102,17 @@ class PanelMap {
     return one;
   }
 
+  /// Whether something is shown there: look(panel).inside.
+  [[nodiscard]] bool shows(const Vector2& panel) const {
+    if (!is_radial() || field_) return look(panel).inside;
+    for (std::size_t c = 0; c < static_cast<std::size_t>(colours_); ++c) {
+      const LensPlacement& place = lenses_[c].placement();
+      const Vector2 u = (panel - place.centre).cwiseProduct(place.scale.cwiseInverse());
+      if (!(u.squaredNorm() <= end_radius2_[c])) return false;
+    }
+    return true;
+  }
+
  private:
   /// Something is seen less than 1/32 as large as it is; of the cubic, drawn less than 1/8 as large. (The smallest
   /// singular value is between det / |J| and sqrt(2) times that.)
@@ -99,8 +120,20 @@ class PanelMap {
     return !(J.determinant() >= (inverse_ ? 1.0 / 8.0 : 1.0 / 32.0) * J.norm());
   }
 
+  /// So many points are looked at together, for the sake of vector code.
+  static constexpr std::size_t together = 16;
+
   template <typename Model>
   void look_through(const Model& model, std::size_t c, std::span<const Vector2> panel, PanelLook* out) const {
+    if constexpr (RadiallySymmetric<Model>) {
+      if (!inverse_) {
+        for (; panel.size() >= together; panel = panel.subspan(together), out += together) {
+          look_radially<together>(model.profile(), c, panel.data(), out);
+        }
+        for (std::size_t i = 0; i < panel.size(); ++i) look_radially<1>(model.profile(), c, &panel[i], &out[i]);
+        return;
+      }
+    }
     const Vector2 centre = lenses_[c].placement().centre;
     const Vector2 scale = lenses_[c].placement().scale;
     const Vector2 per_scale = scale.cwiseInverse();
@@ -121,6 +154,24 @@ class PanelMap {
     }
   }
 
+  template <std::size_t N, typename Profile>
+  void look_radially(const Profile& profile, std::size_t c, const Vector2* panel, PanelLook* out) const {
+    const Vector2 centre = lenses_[c].placement().centre;
+    const Vector2 scale = lenses_[c].placement().scale;
+    const Vector2 per_scale = scale.cwiseInverse();
+    std::array<Vector2, N> u;
+    std::array<double, N> s;
+    for (std::size_t i = 0; i < N; ++i) u[i] = (panel[i] - centre).cwiseProduct(per_scale);
+    for (std::size_t i = 0; i < N; ++i) s[i] = u[i].squaredNorm();
+    for (std::size_t i = 0; i < N; ++i) out[i].inside = out[i].inside && s[i] <= end_radius2_[c];
+    if constexpr (requires { profile.scale(s); }) {
+      profile.scale(s);
+    } else {
+      for (std::size_t i = 0; i < N; ++i) s[i] = profile.scale(s[i]);
+    }
+    for (std::size_t i = 0; i < N; ++i) out[i].ideal[c] = centre + scale.cwiseProduct(Vector2(u[i] * s[i]));
+  }
+
   void cut_to_field(std::size_t count, PanelLook* out) const {
     for (std::size_t i = 0; i < count; ++i) {
       for (std::size_t c = 0; out[i].inside && c < static_cast<std::size_t>(colours_); ++c) {
@@ -131,8 +182,9 @@ class PanelMap {
   }
 
   std::array<Lens, 3> lenses_;
+  std::array<double, 3> end_radius2_{};
   int colours_ = 1;
-  bool inverse_, identity_, smooth_ = true, has_end_ = false;
+  bool inverse_, identity_, smooth_ = true, radial_ = true, has_end_ = false;
   std::optional<FieldTangents> field_;
 };
 

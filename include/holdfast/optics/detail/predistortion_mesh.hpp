@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cmath>
+#include <utility>
 
 #include <holdfast/optics/detail/adaptive_mesher.hpp>
+#include <holdfast/optics/detail/kink_cut.hpp>
 #include <holdfast/optics/detail/mesh_assembly.hpp>
+#include <holdfast/optics/detail/polar_mesher.hpp>
 #include <holdfast/optics/hmd.hpp>
 
 namespace holdfast {
@@ -22,6 +25,27 @@ namespace detail {
   return field && side == EyeSide::right ? std::optional(mirrored(*field)) : field;
 }
 
+/// Whether both lenses do the same to the last bit: without a side, radial ones may be mirrored.
+[[nodiscard]] inline bool do_the_same(const Lens& a, const Lens& b) {
+  if (a == b) return true;
+  if (!is_radial(a)) return false;
+  const auto unmirrored = [](const Lens& lens) {
+    return lens.with_placement({lens.centre(), lens.placement().scale.cwiseAbs()});
+  };
+  return unmirrored(a) == unmirrored(b);
+}
+
+/// Whether the eyes' meshes are mirror images.
+[[nodiscard]] inline bool are_mirror_images(const EyeModel& left, const EyeModel& right) {
+  if (left.side == right.side || left.upside_down != right.upside_down) return false;
+  const EyeModel other = mirrored(right);
+  if (!(left.tangents == other.tangents) || !(left.resolution == other.resolution)) return false;
+  if (left.lens_red.has_value() != other.lens_red.has_value()) return false;
+  if (left.lens_blue.has_value() != other.lens_blue.has_value()) return false;
+  return do_the_same(left.lens, other.lens) && do_the_same(left.lens_of(Color::red), other.lens_of(Color::red)) &&
+         do_the_same(left.lens_of(Color::blue), other.lens_of(Color::blue));
+}
+
 [[nodiscard]] inline MeshProblem problem_of_panel(const EyeModel& eye, const std::optional<FieldTangents>& field) {
   if (eye.resolution.width <= 0 || eye.resolution.height <= 0) return MeshProblem::no_pixels;
   if (problem_of(eye.tangents) != FieldProblem::none) return MeshProblem::impossible_field;
@@ -34,6 +58,11 @@ namespace detail {
   mesh.resolution = eye.resolution;
   mesh.problem = problem;
   return mesh;
+}
+
+/// Whether rings round one centre suit all colours, and nothing else ends the picture.
+[[nodiscard]] inline bool suits_rings(const PanelLooker& looker, const RadialBend& bend) {
+  return !looker.map().has_field() && bend.groups().size() == 1 && PolarMesher::suits(looker, bend.groups().front());
 }
 
 /// columns x rows cells of the panel.
@@ -50,11 +79,9 @@ namespace detail {
       const std::uint32_t sw = y * (columns + 1) + x, se = sw + 1, nw = sw + columns + 1, ne = nw + 1;
       // The longest edge across the way to the picture's middle, along which lenses bend most.
       if ((2 * x + 1 < columns) == (2 * y + 1 < rows)) {
-        draft.triangles.push_back({se, nw, sw});
-        draft.triangles.push_back({nw, se, ne});
+        draft.triangles.insert(draft.triangles.end(), {se, nw, sw, nw, se, ne});
       } else {
-        draft.triangles.push_back({sw, ne, nw});
-        draft.triangles.push_back({ne, sw, se});
+        draft.triangles.insert(draft.triangles.end(), {sw, ne, nw, ne, sw, se});
       }
     }
   }
@@ -64,7 +91,8 @@ namespace detail {
 /// Largest error of a draft's triangles, with its margin, where they show something.
 [[nodiscard]] inline double worst_px(const PanelLooker& looker, const MeshDraft& draft) {
   double worst = 0.0;
-  for (const auto& v : draft.triangles) {
+  for (std::size_t t = 0; t < draft.triangles.size(); t += 3) {
+    const std::uint32_t* v = &draft.triangles[t];
     const std::array<PanelPoint, 3> corner{draft.points[v[0]], draft.points[v[1]], draft.points[v[2]]};
     const CutTriangle shown =
         cut({looker.look(corner[0]).inside, looker.look(corner[1]).inside, looker.look(corner[2]).inside});
@@ -82,7 +110,7 @@ namespace detail {
 [[nodiscard]] inline double stated_error_px(const PanelLooker& looker, const PredistortionMesh& mesh, double found_px) {
   float largest = 0.0f;
   for (const PredistortionVertex& v : mesh.vertices) {
-    largest = std::max({largest, std::abs(v.tangent[1][0]), std::abs(v.tangent[1][1])});
+    largest = std::max(largest, std::max(std::abs(v.tangent[1][0]), std::abs(v.tangent[1][1])));
   }
   const double rounding =
       largest * looker.px_per_tangent().norm() + 8.0 * std::hypot(mesh.resolution.width, mesh.resolution.height);
@@ -108,11 +136,41 @@ inline PredistortionMesh adaptive_mesh(const EyeModel& eye, LensMode mode, const
     if (mesh.ok()) mesh.max_error_px = detail::stated_error_px(looker, mesh, 0.0);
     return mesh;
   }
+  if (const std::optional<detail::RadialBend> bend = looker.bend(); bend && detail::suits_rings(looker, *bend)) {
+    detail::PolarMesher mesher(looker, bend->groups().front(), options);
+    if (!mesher.build()) return detail::no_mesh(eye, MeshProblem::too_many_vertices);
+    PredistortionMesh mesh = detail::MeshAssembly(looker, eye).assemble(std::move(mesher).draft());
+    if (mesh.ok()) mesh.max_error_px = detail::stated_error_px(looker, mesh, mesher.worst_px());
+    return mesh;
+  }
   detail::AdaptiveMesher mesher(looker, eye.resolution, options);
   if (!mesher.refine()) return detail::no_mesh(eye, MeshProblem::too_many_vertices);
-  PredistortionMesh mesh = detail::MeshAssembly(looker, eye).assemble(mesher.draft());
+  detail::MeshDraft draft = mesher.draft();
+  for (const detail::LensCircle& kink : mesher.kinks()) detail::KinkCut(looker, kink, draft).cut();
+  PredistortionMesh mesh = detail::MeshAssembly(looker, eye).assemble(std::move(draft));
   if (mesh.ok()) mesh.max_error_px = detail::stated_error_px(looker, mesh, mesher.worst_px());
   return mesh;
+}
+
+inline PredistortionMesh mirrored(PredistortionMesh mesh) {
+  for (PredistortionVertex& v : mesh.vertices) {
+    v.panel_x = 1.0f - v.panel_x;
+    for (auto& tangent : v.tangent) tangent[0] = -tangent[0];
+  }
+  for (std::size_t t = 0; t < mesh.triangles.size(); t += 3) std::swap(mesh.triangles[t], mesh.triangles[t + 1]);
+  return mesh;
+}
+
+inline EyeMeshes adaptive_meshes(const HmdModel& hmd, LensMode mode, const AdaptiveMeshOptions& options) {
+  EyeMeshes meshes{adaptive_mesh(hmd.left, mode, options), {}};
+  if (detail::are_mirror_images(hmd.left, hmd.right)) {
+    meshes.right = mirrored(meshes.left);
+  } else {
+    AdaptiveMeshOptions of_right = options;
+    if (options.field) of_right.field = mirrored(*options.field);
+    meshes.right = adaptive_mesh(hmd.right, mode, of_right);
+  }
+  return meshes;
 }
 
 inline PredistortionMesh grid_mesh(const EyeModel& eye, LensMode mode, int columns, int rows,
@@ -122,9 +180,10 @@ inline PredistortionMesh grid_mesh(const EyeModel& eye, LensMode mode, int colum
   }
   if (columns < 1 || rows < 1 || columns > 4096 || rows > 4096) return detail::no_mesh(eye, MeshProblem::no_cells);
   const detail::PanelLooker looker(detail::upright_left(eye), mode, detail::upright_left(field, eye.side));
-  const detail::MeshDraft draft = detail::grid(static_cast<std::uint32_t>(columns), static_cast<std::uint32_t>(rows));
-  PredistortionMesh mesh = detail::MeshAssembly(looker, eye).assemble(draft);
-  if (mesh.ok()) mesh.max_error_px = detail::stated_error_px(looker, mesh, detail::worst_px(looker, draft));
+  detail::MeshDraft draft = detail::grid(static_cast<std::uint32_t>(columns), static_cast<std::uint32_t>(rows));
+  const double worst_px = detail::worst_px(looker, draft);
+  PredistortionMesh mesh = detail::MeshAssembly(looker, eye).assemble(std::move(draft));
+  if (mesh.ok()) mesh.max_error_px = detail::stated_error_px(looker, mesh, worst_px);
   return mesh;
 }
 

@@ -30,6 +30,7 @@ class PanelLooker {
  public:
   PanelLooker(const EyeModel& eye, LensMode mode, const std::optional<FieldTangents>& field)
       : map_(eye, mode, field),
+        tangents_(eye.tangents),
         origin_(eye.tangents.left, eye.tangents.down),
         per_unit_((eye.tangents.right - eye.tangents.left) / panel_units,
                   (eye.tangents.up - eye.tangents.down) / panel_units),
@@ -46,7 +47,10 @@ class PanelLooker {
     return {origin_.x() + per_unit_.x() * x, origin_.y() + per_unit_.y() * y};
   }
   [[nodiscard]] Vector2 tangent_at(const PanelPoint& p) const { return tangent_at(p.x, p.y); }
+  /// Its inverse, on the panel or beyond.
+  [[nodiscard]] Vector2 units_at(const Vector2& tangent) const { return (tangent - origin_).cwiseQuotient(per_unit_); }
   [[nodiscard]] PanelLook look(const PanelPoint& p) const { return map_.look(tangent_at(p)); }
+  [[nodiscard]] bool shows(const PanelPoint& p) const { return map_.shows(tangent_at(p)); }
 
   /// Vector from p to q in panel pixels.
   [[nodiscard]] Vector2 pixels_between(const PanelPoint& p, const PanelPoint& q) const {
@@ -57,7 +61,7 @@ class PanelLooker {
   [[nodiscard]] bool shows(const PanelPoint& p, const Vector2& pixels) const {
     const double x = p.x + pixels.x() / px_per_unit_.x(), y = p.y + pixels.y() / px_per_unit_.y();
     if (!(std::min(x, y) >= 0.0) || !(std::max(x, y) <= panel_units)) return false;
-    return map_.look(tangent_at(x, y)).inside;
+    return map_.shows(tangent_at(x, y));
   }
 
   /// Whether the eye sees the triangle a b c turned over: only a sliver at a border, near a fold, can be.
@@ -71,8 +75,15 @@ class PanelLooker {
     return false;
   }
 
+  /// What is known of radial lenses; of others nothing.
+  [[nodiscard]] std::optional<RadialBend> bend() const {
+    if (!map_.is_radial()) return std::nullopt;
+    return RadialBend(map_.lenses(), tangents_, px_per_tangent_);
+  }
+
  private:
   PanelMap map_;
+  FieldTangents tangents_;
   Vector2 origin_, per_unit_, px_per_tangent_, px_per_unit_;
 };
 

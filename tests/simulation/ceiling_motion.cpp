@@ -113,20 +113,31 @@ TEST_CASE("what the views see along recordings: beacons, blind views, and never 
     const SplineTrajectory truth = hiball_truth(place_under_ceiling(samples, placement));
     const HiBallSimulator simulator(hiball_rig(), truth);
     std::array<double, 6> beacons{}, blind{};
+    Vector3 low = Vector3::Constant(1e9), high = -low, speed = Vector3::Zero(), fastest = speed;
     std::array<int, 7> with_views{};
     std::vector<int> visible;
     int n = 0;
     for (HostTime t = truth.begin(); t <= truth.end(); t += 100ms, ++n) {
+      const MotionState state = truth.at(t);
+      low = low.cwiseMin(state.X_WB.p());
+      high = high.cwiseMax(state.X_WB.p());
+      speed += state.v_WB.cwiseAbs();
+      fastest = fastest.cwiseMax(state.v_WB.cwiseAbs());
       std::size_t views = 0;
       for (std::size_t camera = 0; camera < 6; ++camera) {
-        simulator.visible(simulator.pose_at(t), static_cast<int>(camera), visible);
+        simulator.visible(state.X_WB, static_cast<int>(camera), visible);
         beacons[camera] += static_cast<double>(visible.size());
         blind[camera] += visible.empty();
         views += !visible.empty();
       }
       ++with_views[views];
     }
-    std::printf("%s\n  beacons seen by each view:", recording.name);
+    std::printf("%s\n", recording.name);
+    for (int axis = 0; axis < 3; ++axis) {
+      std::printf("  %c: %.2f to %.2f m, mean speed %.3f, peak %.2f m/s\n", "xyz"[axis], low[axis], high[axis],
+                  speed[axis] / n, fastest[axis]);
+    }
+    std::printf("  beacons seen by each view:");
     for (const double sum : beacons) std::printf(" %.1f", sum / n);
     std::printf("\n  share of time without any:");
     for (const double sum : blind) std::printf(" %.3f", sum / n);

@@ -66,8 +66,7 @@ TEST_CASE("published viewers are read") {
   CHECK(v1.screen_to_lens_m == 0.042f);
   CHECK(v1.inter_lens_m == 0.06f);
   CHECK(v1.tray_to_lens_m == 0.035f);
-  CHECK(v1.distortion ==
-        std::vector<float>{0.44f, 0.15f});
+  CHECK(v1.distortion == std::vector<float>{0.44f, 0.15f});
   CHECK(v1.fov_deg == std::array{40.0f, 40.0f, 40.0f, 40.0f});
   CHECK(v1.button == io::CardboardButton::magnet);
   CHECK(v1.has_magnet == true);
@@ -227,6 +226,7 @@ TEST_CASE("read_hmd knows a viewer, and wants a phone for it") {
     io::HmdOptions options;
     options.phone = phone;
     CHECK(read(text, options).left.tangents == io::cardboard_hmd(v, phone).left.tangents);
+    CHECK(io::parse_hmd_file(text, "viewer", nullptr, options).format == io::HmdFormat::cardboard);
   }
 }
 

@@ -119,6 +119,7 @@ TEST_CASE("either eye may mirror the other") {
   CHECK(hmd.left.side == EyeSide::left);
   CHECK(hmd.left.X_HE.p() == Vector3(-0.031, 0, 0));
   check_error(with("\"mirrored\"", "\"mirror\""), 16, "eyes.right", "unknown word", "\"mirror\"");
+  check_error(with("\"test\"", "\"\""), 3, "name", "empty", "\"\"");
 }
 
 TEST_CASE("writing and reading gives back every bit") {

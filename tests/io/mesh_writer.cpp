@@ -119,3 +119,8 @@ TEST_CASE("an empty mesh is written as such") {
   CHECK(json["triangles"].empty());
   CHECK(parse(io::mesh_obj({}, "", EyeSide::left, {})).v.empty());
 }
+
+TEST_CASE("a name that is not UTF-8 is mended, not thrown at") {
+  const nlohmann::json json = nlohmann::json::parse(io::mesh_json({}, "Goo\xffgle", EyeSide::left));
+  CHECK(json["hmd"] == "Goo\xef\xbf\xbdgle");
+}

@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <holdfast/io/whole_file.hpp>
 
@@ -51,4 +52,21 @@ TEST_CASE("what is no file is refused and stays what it is") {
   CHECK_THROWS_AS(io::write_whole_file(folder.path / "absent" / "a", "x"), io::InputError);
   CHECK_THROWS_AS(static_cast<void>(io::read_whole_file(folder.path)), io::InputError);
   CHECK_THROWS_AS(static_cast<void>(io::read_whole_file(folder.path / "absent")), io::InputError);
+}
+
+TEST_CASE("a named pipe and a device are refused at once, a shell's pipe is read") {
+  const ScratchFolder folder;
+  const fs::path pipe = folder.path / "pipe";
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  alarm(30);  // a reader that waits for a writer ends the test
+  CHECK_THROWS_WITH_AS(static_cast<void>(io::read_whole_file(pipe)), doctest::Contains("named pipe"), io::InputError);
+  CHECK_THROWS_WITH_AS(static_cast<void>(io::read_whole_file("/dev/zero")), doctest::Contains("device"),
+                       io::InputError);
+  int ends[2];
+  REQUIRE(::pipe(ends) == 0);
+  REQUIRE(write(ends[1], "text", 4) == 4);
+  close(ends[1]);
+  CHECK(io::read_whole_file("/dev/fd/" + std::to_string(ends[0])) == "text");
+  close(ends[0]);
+  alarm(0);
 }

@@ -14,6 +14,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <holdfast/io/cardboard.hpp>
 #include <holdfast/io/hmd_reader.hpp>
@@ -57,16 +58,24 @@ enum class HmdForm { json, address, binary, other };
 struct HmdOptions {
   OsvrAssumptions osvr;
   std::optional<PhoneScreen> phone;  ///< in a Cardboard viewer
+  std::string_view phone_expected = "the size and resolution of the phone's screen beside it";  ///< when there is none
+};
+
+/// A headset and what its file was.
+struct HmdFile {
+  HmdModel hmd;
+  HmdFormat format = HmdFormat::unknown;
+  std::vector<std::string> notes;  ///< what the file left to assume
 };
 
 /// Reads a descriptor of any format; `file` is for messages, `beside` answers files that an OSVR descriptor names.
-[[nodiscard]] inline HmdModel parse_any_hmd(std::string_view text, std::string file, const BesideReader& beside,
+[[nodiscard]] inline HmdFile parse_hmd_file(std::string_view text, std::string file, const BesideReader& beside,
                                             const HmdOptions& options = {}) {
   const auto with_phone = [&](const CardboardViewer& viewer) {
-    if (options.phone) return checked_cardboard_hmd(viewer, *options.phone, file);
+    if (options.phone) return HmdFile{checked_cardboard_hmd(viewer, *options.phone, file), HmdFormat::cardboard, {}};
     throw InputError({.file = file,
                       .problem = "this is a Cardboard viewer, which is a headset only with a phone",
-                      .expected = "the size and resolution of the phone's screen beside it"});
+                      .expected = std::string(options.phone_expected)});
   };
   switch (detail::form_of(text)) {
     case detail::HmdForm::json:
@@ -83,18 +92,28 @@ struct HmdOptions {
   const JsonDocument document = JsonDocument::parse(text, file);
   const JsonNode root = document.root();
   switch (detail::format_of(root)) {
-    case HmdFormat::osvr:
-      return osvr_of(root, document.file(), beside, options.osvr).hmd;
+    case HmdFormat::osvr: {
+      OsvrHmd osvr = osvr_of(root, document.file(), beside, options.osvr);
+      return {std::move(osvr.hmd), HmdFormat::osvr, std::move(osvr.notes)};
+    }
     case HmdFormat::cardboard:
       return with_phone(cardboard_of(root, file));
     default:
-      return hmd_of(root);
+      return {hmd_of(root), HmdFormat::holdfast, {}};
   }
 }
+[[nodiscard]] inline HmdModel parse_any_hmd(std::string_view text, std::string file, const BesideReader& beside,
+                                            const HmdOptions& options = {}) {
+  return parse_hmd_file(text, std::move(file), beside, options).hmd;
+}
 
+/// Reads a descriptor file, and says of which format it is and what it left to assume.
+[[nodiscard]] inline HmdFile read_hmd_file(const std::filesystem::path& path, const HmdOptions& options = {}) {
+  return parse_hmd_file(read_whole_file(path), path.string(), files_in(path.parent_path()), options);
+}
 /// Reads a descriptor file.
 [[nodiscard]] inline HmdModel read_hmd(const std::filesystem::path& path, const HmdOptions& options = {}) {
-  return parse_any_hmd(read_whole_file(path), path.string(), files_in(path.parent_path()), options);
+  return read_hmd_file(path, options).hmd;
 }
 
 /// Writes a descriptor; the file appears whole or not at all. A model that read_hmd would refuse is refused here, by

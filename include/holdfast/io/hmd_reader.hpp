@@ -214,7 +214,9 @@ inline void check_schema(const JsonNode& root) {
   detail::check_schema(root);
   root.allow_only({"schema", "name", "source", "ipd_m", "optics_follow_ipd", "timing", "eyes"});
   HmdModel hmd;
-  hmd.name = root.at("name").string();
+  const JsonNode name = root.at("name");
+  hmd.name = name.string();
+  if (hmd.name.empty()) name.fail("the name is empty", "the headset's name");
   hmd.source = root.at("source").string();
   hmd.ipd_m = root.at("ipd_m").number(0.0, 0.2);
   if (const auto follow = root.find("optics_follow_ipd")) hmd.optics_follow_ipd = follow->boolean();

@@ -36,6 +36,11 @@ void append_number(std::string& text, Number value) {
   text.append(digits, end);
 }
 
+/// As a JSON string; what is not UTF-8 is replaced.
+[[nodiscard]] inline std::string quoted(std::string_view text) {
+  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
 /// The colours that the mesh tells apart: 0 red, 1 green, 2 blue.
 struct MeshColors {
   std::size_t first, end;
@@ -47,9 +52,9 @@ struct MeshColors {
 }  // namespace detail
 
 [[nodiscard]] inline std::string mesh_json(const PredistortionMesh& mesh, std::string_view hmd, EyeSide eye) {
-  std::string text = "{\n  \"schema\": \"holdfast/mesh/1\",\n  \"hmd\": " + nlohmann::json(hmd).dump() +
-                     ",\n  \"eye\": \"" + std::string(name_of(eye)) + "\",\n  \"resolution_px\": [" +
-                     std::to_string(mesh.resolution.width) + ", " + std::to_string(mesh.resolution.height) +
+  std::string text = "{\n  \"schema\": \"holdfast/mesh/1\",\n  \"hmd\": " + detail::quoted(hmd) + ",\n  \"eye\": \"" +
+                     std::string(name_of(eye)) + "\",\n  \"resolution_px\": [" + std::to_string(mesh.resolution.width) +
+                     ", " + std::to_string(mesh.resolution.height) +
                      "],\n  \"per_color\": " + (mesh.per_color ? "true" : "false") + ",\n  \"max_error_px\": ";
   detail::append_number(text, mesh.max_error_px);
   text += ",\n  \"vertices\": [";

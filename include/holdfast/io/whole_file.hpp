@@ -1,6 +1,8 @@
 /// Whole files, text or bytes: read in one go, written so that a file is never left behind half written.
 ///
-/// Bad input: a path that cannot be read or written is an InputError that says so.
+/// Read are files, and the pipes that a shell hands over: /dev/stdin, or /dev/fd/63 for <(command). A named pipe would
+/// wait for a writer for ever, a device may never end: both are refused. Bad input: a path that cannot be read or
+/// written is an InputError that says so.
 #pragma once
 
 #include <filesystem>
@@ -13,11 +15,33 @@
 
 namespace holdfast::io {
 
-[[nodiscard]] inline std::string read_whole_file(const std::filesystem::path& path) {
+namespace detail {
+
+/// A name by which a program reaches what it was started with.
+[[nodiscard]] inline bool is_own_descriptor(const std::filesystem::path& path) {
+  const std::string name = path.lexically_normal().string();
+  return name == "/dev/stdin" || name.starts_with("/dev/fd/") || name.starts_with("/proc/self/fd/");
+}
+
+/// Refuses what has no end of its own.
+inline void check_is_readable_file(const std::filesystem::path& path) {
   std::error_code error;
-  if (std::filesystem::is_directory(path, error)) {
-    throw InputError({.file = path.string(), .problem = "is a folder", .expected = "a file"});
-  }
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  const bool is_pipe = std::filesystem::is_fifo(status);
+  if (!std::filesystem::exists(status) || std::filesystem::is_regular_file(status)) return;
+  if (is_pipe && is_own_descriptor(path)) return;
+  throw InputError({.file = path.string(),
+                    .problem = std::filesystem::is_directory(status) ? "is a folder"
+                               : is_pipe                             ? "is a named pipe, which may never be filled"
+                                                                     : "is a device, no file",
+                    .expected = "a file, or a shell's pipe: /dev/stdin, <(command)"});
+}
+
+}  // namespace detail
+
+[[nodiscard]] inline std::string read_whole_file(const std::filesystem::path& path) {
+  detail::check_is_readable_file(path);
+  std::error_code error;
   std::ifstream file(path, std::ios::binary);
   if (!file) throw InputError({.file = path.string(), .problem = "cannot be opened", .expected = "a readable file"});
   std::string text;

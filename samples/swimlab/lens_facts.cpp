@@ -74,6 +74,15 @@ void find_ends(const EyeModel& eye, const Lens& lens, LensFacts& facts) {
   }
 }
 
+std::optional<SampleFacts> sample_facts(const Lens& lens) {
+  const auto* model = lens.model_if<PointMeshLens>();
+  if (model == nullptr) return std::nullopt;
+  const PointMesh& mesh = model->mesh();
+  SampleFacts facts{mesh.samples.size(), mesh.triangles.size() + mesh.folds.size()};
+  for (const PointMeshFold& fold : mesh.folds) ++(fold.area_ratio > 0.0 ? facts.cut_off : facts.folded);
+  return facts;
+}
+
 }  // namespace
 
 std::vector<LensFacts> facts_of(const EyeModel& eye) {
@@ -89,6 +98,7 @@ std::vector<LensFacts> facts_of(const EyeModel& eye) {
     facts.valid_radius_px = lens.valid_radius() * pixels_per_tangent(eye).cwiseAbs().minCoeff();
     measure_residual(eye, lens, facts);
     find_ends(eye, lens, facts);
+    facts.samples = sample_facts(lens);
   }
   return all;
 }

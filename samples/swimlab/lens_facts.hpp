@@ -17,6 +17,13 @@ struct LensEnd {
   holdfast::Angle seen_off_axis;  ///< of the last direction seen, against the eye's axis
 };
 
+/// What became of the samples that describe a lens (optics/point_mesh.hpp).
+struct SampleFacts {
+  std::size_t samples = 0, triangles = 0;  ///< all that the samples make
+  std::size_t folded = 0;                  ///< left out: mirrored or flat on the seen side
+  std::size_t cut_off = 0;                 ///< left out: cut off by folds, or lying over others there
+};
+
 struct LensFacts {
   std::string color;  ///< all, or red, green, blue
   std::string model;
@@ -27,6 +34,7 @@ struct LensFacts {
   double dark_pct = 0.0;             ///< of the panel, where the lens answers nothing
   std::optional<LensEnd> first_end;  ///< the one nearest to the centre
   std::optional<LensEnd> last_end;   ///< the farthest
+  std::optional<SampleFacts> samples;
 };
 
 /// One entry for all colours when they are bent alike, else three.

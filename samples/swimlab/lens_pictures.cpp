@@ -5,6 +5,9 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <iterator>
+#include <map>
+#include <optional>
 #include <set>
 #include <unordered_map>
 #include <utility>
@@ -51,15 +54,15 @@ class Canvas {
     scale_ = longest_side / std::max(w, h);
     width_ = w * scale_;
     height_ = h * scale_;
-    const double whole_width = std::max(width_ + 2.0 * margin, 720.0);
+    const double whole_width = std::max(width_ + 2.0 * margin, 880.0);
     left_ = (whole_width - width_) / 2.0;
     svg_ = text_of(
         "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 %.0f %.0f' font-family='sans-serif' font-size='13'>\n"
         "<rect width='100%%' height='100%%' fill='white'/>\n"
         "<rect x='%.1f' y='%.1f' width='%.1f' height='%.1f' fill='black'/>\n",
         whole_width, height_ + heading + margin, left_, heading, width_, height_);
-    svg_ += text_of("<text x='%.1f' y='27' font-size='18' fill='#111'>", left_) + escaped(title) + "</text>\n";
-    svg_ += text_of("<text x='%.1f' y='48' fill='#555'>", left_) + escaped(subtitle) + "</text>\n";
+    svg_ += text_of("<text x='%.1f' y='27' font-size='18' fill='#111'>", margin) + escaped(title) + "</text>\n";
+    svg_ += text_of("<text x='%.1f' y='48' fill='#555'>", margin) + escaped(subtitle) + "</text>\n";
   }
 
   [[nodiscard]] Vector2 place(const Vector2& p) const {
@@ -73,23 +76,25 @@ class Canvas {
   }
 
   void add(const std::string& element) { svg_ += element; }
-  /// Lines from each even to each odd point.
-  void add_segments(const std::vector<Vector2>& ends, const std::string& style) {
+  void add_lines(const std::vector<std::vector<Vector2>>& lines, const std::string& style) {
     svg_ += "<path fill='none' " + style + " d='";
-    for (std::size_t i = 0; i + 1 < ends.size(); i += 2) {
-      const Vector2 a = place(ends[i]), b = place(ends[i + 1]);
-      // A line that goes on is one line, for its dashes.
-      if (i == 0 || ends[i] != ends[i - 1]) svg_ += text_of("M%.1f %.1f", a.x(), a.y());
-      svg_ += text_of("L%.1f %.1f", b.x(), b.y());
-    }
+    for (const std::vector<Vector2>& line : lines) svg_ += path_of(line);
     svg_ += "'/>\n";
   }
-  void add_polygon(const std::vector<Vector2>& corners, std::string& path) const {
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      const Vector2 p = place(corners[i]);
-      path += text_of("%c%.1f %.1f", i == 0 ? 'M' : 'L', p.x(), p.y());
+  /// In steps of a tenth of a pixel; points nearer than a pixel to the one before are left out, but for a line's last.
+  [[nodiscard]] std::string path_of(const std::vector<Vector2>& line) const {
+    std::string path;
+    long x = 0, y = 0;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      const Vector2 p = place(line[i]);
+      const long dx = std::lround(10.0 * p.x()) - x, dy = std::lround(10.0 * p.y()) - y;
+      if (i > 0 && i + 1 < line.size() && dx * dx + dy * dy < 100) continue;
+      const double step_x = static_cast<double>(dx) / 10.0, step_y = static_cast<double>(dy) / 10.0;
+      path += text_of("%c%g %g", i == 0 ? 'M' : 'l', step_x, step_y);
+      x += dx;
+      y += dy;
     }
-    path += 'Z';
+    return path;
   }
   void add_label(const Vector2& at, const std::string& text, const char* anchor, double dx, double dy,
                  const char* colour) {
@@ -111,11 +116,21 @@ class Canvas {
   std::string svg_;
 };
 
-/// From a panel point, 0 to 1, and a colour to where it is shown; nothing where the lens has no domain.
-using Placing = std::function<std::optional<Vector2>(const Vector2&, Color)>;
+/// A point of the mesh: on the panel, 0 to 1, and the tangent that a colour shows there.
+struct MeshPoint {
+  Vector2 panel, tangent;
+};
+MeshPoint between(const MeshPoint& a, const MeshPoint& b, double t) {
+  return {a.panel + t * (b.panel - a.panel), a.tangent + t * (b.tangent - a.tangent)};
+}
 
-Vector2 panel_point(const PredistortionVertex& v) {
-  return {static_cast<double>(v.panel_x), static_cast<double>(v.panel_y)};
+/// Where a point of the mesh is shown.
+using Placing = std::function<Vector2(const MeshPoint&, Color)>;
+using Line = std::vector<Vector2>;
+
+MeshPoint mesh_point(const PredistortionVertex& v, std::size_t c) {
+  return {Vector2(static_cast<double>(v.panel_x), static_cast<double>(v.panel_y)),
+          Vector2(static_cast<double>(v.tangent[c][0]), static_cast<double>(v.tangent[c][1]))};
 }
 
 Vector2 pixel_of(const EyeModel& eye, const Vector2& panel) {
@@ -143,39 +158,101 @@ std::string degree_label(int d) {
   return text_of("%d\u00b0", d);
 }
 
-/// Where the mesh's tangents along `axis` are `value`, as pairs of panel points.
-std::vector<Vector2> contour(const PredistortionMesh& mesh, std::size_t colour, std::size_t axis, double value) {
-  std::vector<Vector2> ends;
-  for (std::size_t t = 0; t < mesh.triangles.size(); t += 3) {
-    std::array<Vector2, 3> met;
-    std::size_t count = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const PredistortionVertex& a = mesh.vertices[mesh.triangles[t + k]];
-      const PredistortionVertex& b = mesh.vertices[mesh.triangles[t + (k + 1) % 3]];
-      const double da = static_cast<double>(a.tangent[colour][axis]) - value;
-      const double db = static_cast<double>(b.tangent[colour][axis]) - value;
-      if ((da < 0.0) == (db < 0.0)) continue;
-      met[count++] = panel_point(a) + da / (da - db) * (panel_point(b) - panel_point(a));
-    }
-    if (count == 2) ends.insert(ends.end(), {met[0], met[1]});
-  }
-  return ends;
+using MeshEdge = std::pair<std::uint32_t, std::uint32_t>;
+
+MeshEdge sorted(const MeshEdge& edge) {
+  return std::minmax(edge.first, edge.second);
 }
 
-/// The mesh's outline as closed rings of panel points.
-std::vector<std::vector<Vector2>> outline(const PredistortionMesh& mesh) {
-  std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
+/// The edge after corner i of the list of triangles, as it runs round its triangle.
+MeshEdge edge_after(const PredistortionMesh& mesh, std::size_t i) {
+  return {mesh.triangles[i], mesh.triangles[i % 3 == 2 ? i - 2 : i + 1]};
+}
+
+/// The pieces of lines that triangles hold, joined where they meet on the mesh's edges.
+class Contour {
+ public:
+  void add(const std::array<MeshEdge, 2>& edges, const std::array<MeshPoint, 2>& points) {
+    for (const MeshEdge& edge : edges) at_edge_.emplace(edge, pieces_.size());
+    pieces_.push_back({edges, points, false});
+  }
+  [[nodiscard]] std::vector<std::vector<MeshPoint>> lines() && {
+    std::vector<std::vector<MeshPoint>> lines;
+    for (const bool closed : {false, true}) {  // first the lines that begin at the mesh's border
+      for (std::size_t i = 0; i < pieces_.size(); ++i) {
+        for (std::size_t end = 0; end < 2; ++end) {
+          if (pieces_[i].used || (!closed && at_edge_.count(pieces_[i].edges[end]) > 1)) continue;
+          lines.push_back(line_from(i, end));
+        }
+      }
+    }
+    return lines;
+  }
+
+ private:
+  struct Piece {
+    std::array<MeshEdge, 2> edges;
+    std::array<MeshPoint, 2> points;
+    bool used;
+  };
+
+  std::vector<MeshPoint> line_from(std::size_t i, std::size_t end) {
+    std::vector<MeshPoint> line{pieces_[i].points[end]};
+    while (!pieces_[i].used) {
+      pieces_[i].used = true;
+      line.push_back(pieces_[i].points[1 - end]);
+      const MeshEdge edge = pieces_[i].edges[1 - end];
+      const auto [first, last] = at_edge_.equal_range(edge);
+      for (auto next = first; next != last; ++next) {
+        if (pieces_[next->second].used) continue;
+        i = next->second;
+        end = pieces_[i].edges[0] == edge ? 0 : 1;
+        break;
+      }
+    }
+    return line;
+  }
+
+  std::vector<Piece> pieces_;
+  std::multimap<MeshEdge, std::size_t> at_edge_;
+};
+
+/// Where the mesh's tangents along `axis` are `value`.
+std::vector<std::vector<MeshPoint>> contour(const PredistortionMesh& mesh, std::size_t colour, std::size_t axis,
+                                            double value) {
+  Contour contour;
+  for (std::size_t t = 0; t < mesh.triangles.size(); t += 3) {
+    std::array<MeshEdge, 2> edges;
+    std::array<MeshPoint, 2> points;
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const MeshEdge edge = sorted(edge_after(mesh, t + k));
+      const double a = static_cast<double>(mesh.vertices[edge.first].tangent[colour][axis]) - value;
+      const double b = static_cast<double>(mesh.vertices[edge.second].tangent[colour][axis]) - value;
+      if ((a < 0.0) == (b < 0.0)) continue;
+      edges[count] = edge;
+      points[count++] = between(mesh_point(mesh.vertices[edge.first], colour),
+                                mesh_point(mesh.vertices[edge.second], colour), a / (a - b));
+    }
+    if (count == 2) contour.add(edges, points);
+  }
+  return std::move(contour).lines();
+}
+
+/// The mesh's outline as closed rings of vertices.
+std::vector<std::vector<std::uint32_t>> outline(const PredistortionMesh& mesh) {
+  std::set<MeshEdge> edges;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const std::uint32_t a = mesh.triangles[i], b = mesh.triangles[i % 3 == 2 ? i - 2 : i + 1];
+    const auto [a, b] = edge_after(mesh, i);
     if (edges.erase({b, a}) == 0) edges.insert({a, b});
   }
-  std::unordered_map<std::uint32_t, std::uint32_t> next;
+  std::unordered_multimap<std::uint32_t, std::uint32_t> next;  // several where rings touch
   for (const auto& [a, b] : edges) next.emplace(a, b);
-  std::vector<std::vector<Vector2>> rings;
+  std::vector<std::vector<std::uint32_t>> rings;
   while (!next.empty()) {
-    std::vector<Vector2>& ring = rings.emplace_back();
+    std::vector<std::uint32_t>& ring = rings.emplace_back();
     for (auto at = next.begin(); at != next.end();) {
-      ring.push_back(panel_point(mesh.vertices[at->first]));
+      ring.push_back(at->first);
       const std::uint32_t to = at->second;
       next.erase(at);
       at = next.find(to);
@@ -184,65 +261,100 @@ std::vector<std::vector<Vector2>> outline(const PredistortionMesh& mesh) {
   return rings;
 }
 
-void add_shown_area(Canvas& canvas, const LensSubject& s, const Placing& placing) {
-  std::string path;
-  for (const std::vector<Vector2>& ring : outline(s.mesh)) {
-    std::vector<Vector2> corners;
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-      const Vector2 &a = ring[i], &b = ring[(i + 1) % ring.size()];
-      for (int k = 0; k < 8; ++k) {
-        if (const auto p = placing(Vector2(a + k / 8.0 * (b - a)), Color::green)) corners.push_back(*p);
+/// The colours to draw.
+std::vector<Color> colors_of(const PredistortionMesh& mesh) {
+  return mesh.per_color ? std::vector{Color::red, Color::green, Color::blue} : std::vector{Color::green};
+}
+
+/// What is shown, by colours that are told apart or by green for all.
+void add_shown_area(Canvas& canvas, const LensSubject& s, const std::vector<Color>& colors, const Placing& placing) {
+  std::string outlines;
+  for (const Color color : colors) {
+    const auto c = static_cast<std::size_t>(color);
+    std::string path;
+    for (const std::vector<std::uint32_t>& ring : outline(s.mesh)) {
+      Line corners;
+      for (std::size_t i = 0; i < ring.size(); ++i) {
+        const MeshPoint a = mesh_point(s.mesh.vertices[ring[i]], c);
+        const MeshPoint b = mesh_point(s.mesh.vertices[ring[(i + 1) % ring.size()]], c);
+        for (int k = 0; k < 8; ++k) corners.push_back(placing(between(a, b, k / 8.0), color));
       }
+      path += canvas.path_of(corners) + 'Z';
     }
-    canvas.add_polygon(corners, path);
+    canvas.add("<path fill='#1b232d' fill-rule='evenodd' d='" + path + "'/>\n");
+    outlines += std::string("<path fill='none' stroke-width='1' stroke-opacity='0.6' stroke='") +
+                (colors.size() > 1 ? line_colours[c] : "#51647a") + "' d='" + path + "'/>\n";
   }
-  canvas.add("<path fill='#1b232d' fill-rule='evenodd' stroke='#51647a' stroke-width='1' d='" + path + "'/>\n");
+  canvas.add(outlines);
 }
 
 /// The grid through the mesh, in each colour.
 void add_grid(Canvas& canvas, const LensSubject& s, const FieldTangents& field, const Placing& placing) {
-  const bool colours = s.mesh.per_color;
   canvas.add("<g style='isolation:isolate'>\n");
-  for (std::size_t c = colours ? 0 : 1; c < (colours ? 3u : 2u); ++c) {
-    std::vector<Vector2> ends;
+  for (const Color color : colors_of(s.mesh)) {
+    const auto c = static_cast<std::size_t>(color);
+    std::vector<Line> lines;
     for (std::size_t axis = 0; axis < 2; ++axis) {
-      const auto lines = axis == 0 ? grid_lines(field.left, field.right) : grid_lines(field.down, field.up);
-      for (const GridLine& line : lines) {
-        const std::vector<Vector2> met = contour(s.mesh, c, axis, line.tangent);
-        for (std::size_t i = 0; i + 1 < met.size(); i += 2) {
-          const auto a = placing(met[i], static_cast<Color>(c)), b = placing(met[i + 1], static_cast<Color>(c));
-          if (a && b) ends.insert(ends.end(), {*a, *b});
+      for (const GridLine& grid_line :
+           axis == 0 ? grid_lines(field.left, field.right) : grid_lines(field.down, field.up)) {
+        for (const std::vector<MeshPoint>& points : contour(s.mesh, c, axis, grid_line.tangent)) {
+          Line& line = lines.emplace_back();
+          for (const MeshPoint& p : points) line.push_back(placing(p, color));
         }
       }
     }
-    canvas.add_segments(
-        ends, std::string("stroke-width='1.5' stroke-linecap='round' style='mix-blend-mode:screen' stroke='") +
-                  (colours ? line_colours[c] : only_colour) + "'");
+    canvas.add_lines(lines,
+                     std::string("stroke-width='1.5' stroke-linecap='round' style='mix-blend-mode:screen' stroke='") +
+                         (s.mesh.per_color ? line_colours[c] : only_colour) + "'");
   }
   canvas.add("</g>\n");
+}
+
+/// A path over [0, 1], where it can be seen: cut where `seen` has no answer, each piece up to that place.
+std::vector<Line> seen_pieces(const std::function<std::optional<Vector2>(double)>& seen) {
+  constexpr int steps = 200;
+  std::vector<Line> pieces;
+  const auto end_between = [&](double inside, double outside) {
+    for (int i = 0; i < 30; ++i) {
+      const double middle = (inside + outside) / 2.0;
+      (seen(middle) ? inside : outside) = middle;
+    }
+    return *seen(inside);
+  };
+  bool on = false;
+  for (int i = 0; i <= steps; ++i) {
+    const double now = static_cast<double>(i) / steps, before = static_cast<double>(i - 1) / steps;
+    const std::optional<Vector2> p = seen(now);
+    if (p && !on) {
+      pieces.emplace_back();
+      if (i > 0) pieces.back().push_back(end_between(now, before));
+    }
+    if (p) pieces.back().push_back(*p);
+    if (!p && on) pieces.back().push_back(end_between(before, now));
+    on = p.has_value();
+  }
+  return pieces;
 }
 
 /// The grid as it is seen when the application draws it straight.
 void add_uncorrected_grid(Canvas& canvas, const EyeModel& eye, const FieldTangents& field) {
   const FieldTangents panel = panel_tangents(eye);
-  std::vector<Vector2> ends;
-  constexpr int steps = 200;
+  std::vector<Line> all;
   for (int axis = 0; axis < 2; ++axis) {
     const auto lines = axis == 0 ? grid_lines(field.left, field.right) : grid_lines(field.down, field.up);
     const double from = axis == 0 ? panel.down : panel.left, to = axis == 0 ? panel.up : panel.right;
     const auto [low, high] = axis == 0 ? std::minmax({panel.left, panel.right}) : std::minmax({panel.down, panel.up});
     for (const GridLine& line : lines) {
       if (line.tangent < low || line.tangent > high) continue;
-      std::optional<Vector2> last;
-      for (int i = 0; i <= steps; ++i) {
-        const double along = from + (to - from) * i / steps;
-        const auto seen = eye.lens.distort(axis == 0 ? Vector2(line.tangent, along) : Vector2(along, line.tangent));
-        if (seen && last && canvas.holds(*seen) && canvas.holds(*last)) ends.insert(ends.end(), {*last, *seen});
-        last = seen;
-      }
+      const auto seen = [&](double t) -> std::optional<Vector2> {
+        const double along = from + (to - from) * t;
+        const auto p = eye.lens.distort(axis == 0 ? Vector2(line.tangent, along) : Vector2(along, line.tangent));
+        return p && canvas.holds(*p) ? p : std::nullopt;
+      };
+      for (Line& piece : seen_pieces(seen)) all.push_back(std::move(piece));
     }
   }
-  canvas.add_segments(ends, "stroke='#71808f' stroke-width='1' stroke-dasharray='5 4' stroke-opacity='0.7'");
+  canvas.add_lines(all, "stroke='#71808f' stroke-width='1' stroke-dasharray='5 4' stroke-opacity='0.7'");
 }
 
 std::string title_of(const LensSubject& s, const char* what) {
@@ -267,8 +379,8 @@ std::string drawn_picture(const LensSubject& s) {
   Canvas canvas(panel_in_pixels(s.eye), title_of(s, "as drawn on the panel"),
                 std::string("A grid of equal angles, predistorted by the mesh") +
                     (s.mesh.per_color ? " for red, green and blue" : "") + ". Black: nothing is drawn there.");
-  const Placing placing = [&](const Vector2& p, Color) { return std::optional(pixel_of(s.eye, p)); };
-  add_shown_area(canvas, s, placing);
+  const Placing placing = [&](const MeshPoint& p, Color) { return pixel_of(s.eye, p.panel); };
+  add_shown_area(canvas, s, {Color::green}, placing);
   add_grid(canvas, s, field, placing);
   canvas.add_ticks(pixel_ticks(s.eye.resolution.width), pixel_ticks(s.eye.resolution.height));
   return std::move(canvas).finished();
@@ -277,11 +389,15 @@ std::string drawn_picture(const LensSubject& s) {
 std::string seen_picture(const LensSubject& s) {
   const FieldTangents field = shown_field(s.mesh).value();
   Canvas canvas(field, title_of(s, "as the eye sees it"),
-                "The same picture through the lens: straight lines. Dashed: the grid without correction.");
-  const Placing placing = [&](const Vector2& p, Color color) {
-    return s.eye.lens_of(color).distort(tangent_of_pixel(s.eye, pixel_of(s.eye, p)));
+                std::string("The same picture through the lens: straight lines.") +
+                    (s.mesh.per_color ? " Its colours end at different places." : "") +
+                    " Dashed: the grid without correction.");
+  // Rounding may put a point of the border outside the lens: there the mesh itself says where it is seen.
+  const Placing placing = [&](const MeshPoint& p, Color color) {
+    return s.eye.lens_of(color).distort(tangent_of_pixel(s.eye, pixel_of(s.eye, p.panel))).value_or(p.tangent);
   };
-  add_shown_area(canvas, s, placing);
+  // On the panel the colours end together, and are seen to end apart.
+  add_shown_area(canvas, s, colors_of(s.mesh), placing);
   add_uncorrected_grid(canvas, s.eye, field);
   add_grid(canvas, s, field, placing);
   std::vector<std::pair<double, std::string>> x, y;
@@ -301,24 +417,81 @@ std::string seen_picture(const LensSubject& s) {
   return std::move(canvas).finished();
 }
 
-std::string mesh_picture(const LensSubject& s) {
-  Canvas canvas(panel_in_pixels(s.eye), title_of(s, "the predistortion mesh"),
-                text_of("%zu vertices, %zu triangles, at most %.3g px from the exact lens in the source picture",
-                        s.mesh.vertices.size(), s.mesh.triangle_count(), s.mesh.max_error_px));
-  const Placing placing = [&](const Vector2& p, Color) { return std::optional(pixel_of(s.eye, p)); };
-  add_shown_area(canvas, s, placing);
-  std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
-  for (std::size_t i = 0; i < s.mesh.triangles.size(); ++i) {
-    const std::uint32_t a = s.mesh.triangles[i], b = s.mesh.triangles[i % 3 == 2 ? i - 2 : i + 1];
-    edges.insert(std::minmax(a, b));
+namespace {
+
+/// Edges that are too short to be told apart, as brightness: the share of each cell that their lines would cover.
+void add_shading(Canvas& canvas, const std::vector<Line>& edges, double line_width) {
+  constexpr int cell = 8, levels = 16;
+  std::map<std::pair<int, int>, double> length;  // row, column
+  for (const Line& edge : edges) {
+    const Vector2 a = canvas.place(edge[0]), b = canvas.place(edge[1]), middle = (a + b) / 2.0;
+    length[{static_cast<int>(middle.y()) / cell, static_cast<int>(middle.x()) / cell}] += (b - a).norm();
   }
-  std::vector<Vector2> ends;
+  const auto level = [&](double l) {
+    return static_cast<int>(std::lround(levels * std::min(1.0, l * line_width / (cell * cell))));
+  };
+  canvas.add("<g fill='#8fd0ff' shape-rendering='crispEdges'>\n");
+  for (auto at = length.begin(); at != length.end();) {
+    auto [row, column] = at->first;
+    const int shade = level(at->second), first = column;
+    // Equal neighbours in a row are one rectangle.
+    for (; at != length.end() && at->first == std::pair(row, column) && level(at->second) == shade; ++at) ++column;
+    canvas.add(text_of("<path fill-opacity='%.2g' d='M%d %dh%dv%dh-%dz'/>\n", static_cast<double>(shade) / levels,
+                       first * cell, row * cell, (column - first) * cell, cell, (column - first) * cell));
+  }
+  canvas.add("</g>\n");
+}
+
+/// All edges, drawn with few breaks.
+std::vector<std::vector<std::uint32_t>> trails(std::set<MeshEdge> edges, std::size_t vertices) {
+  std::vector<std::vector<std::uint32_t>> neighbours(vertices), trails;
   for (const auto& [a, b] : edges) {
-    for (const std::uint32_t v : {a, b}) ends.push_back(pixel_of(s.eye, panel_point(s.mesh.vertices[v])));
+    neighbours[a].push_back(b);
+    neighbours[b].push_back(a);
+  }
+  while (!edges.empty()) {
+    std::vector<std::uint32_t>& trail = trails.emplace_back(1, edges.begin()->first);
+    for (std::uint32_t at = trail.front(); !neighbours[at].empty();) {
+      const std::uint32_t next = neighbours[at].back();
+      neighbours[at].pop_back();
+      if (edges.erase(sorted({at, next})) == 0) continue;
+      trail.push_back(next);
+      at = next;
+    }
+  }
+  return trails;
+}
+
+}  // namespace
+
+std::string mesh_picture(const LensSubject& s) {
+  std::set<MeshEdge> edges;
+  for (std::size_t i = 0; i < s.mesh.triangles.size(); ++i) edges.insert(sorted(edge_after(s.mesh, i)));
+  constexpr std::size_t most_lines = 100'000;
+  const bool is_shaded = edges.size() > most_lines;
+  Canvas canvas(
+      panel_in_pixels(s.eye), title_of(s, "the predistortion mesh"),
+      text_of("%zu vertices, %zu triangles, at most %.3g px from the exact lens%s", s.mesh.vertices.size(),
+              s.mesh.triangle_count(), s.mesh.max_error_px, is_shaded ? ". Short edges are drawn as brightness." : ""));
+  const Placing placing = [&](const MeshPoint& p, Color) { return pixel_of(s.eye, p.panel); };
+  add_shown_area(canvas, s, {Color::green}, placing);
+  const auto pixel = [&](std::uint32_t v) { return pixel_of(s.eye, mesh_point(s.mesh.vertices[v], 1).panel); };
+  std::vector<Line> fine;
+  for (auto edge = edges.begin(); is_shaded && edge != edges.end();) {
+    const Vector2 a = pixel(edge->first), b = pixel(edge->second);
+    const bool is_short = (canvas.place(b) - canvas.place(a)).norm() < 10.0;
+    if (is_short) fine.push_back({a, b});
+    edge = is_short ? edges.erase(edge) : std::next(edge);
+  }
+  std::vector<Line> lines;
+  for (const std::vector<std::uint32_t>& trail : trails(std::move(edges), s.mesh.vertices.size())) {
+    Line& line = lines.emplace_back();
+    for (const std::uint32_t v : trail) line.push_back(pixel(v));
   }
   // Thinner where the mesh is finer, so that its density shows as brightness.
   const double width = s.mesh.triangle_count() > 8000 ? 0.35 : s.mesh.triangle_count() > 1500 ? 0.6 : 1.0;
-  canvas.add_segments(ends, text_of("stroke='#8fd0ff' stroke-width='%.2f'", width));
+  if (is_shaded) add_shading(canvas, fine, width);
+  canvas.add_lines(lines, text_of("stroke='#8fd0ff' stroke-width='%.2f'", width));
   canvas.add_ticks(pixel_ticks(s.eye.resolution.width), pixel_ticks(s.eye.resolution.height));
   return std::move(canvas).finished();
 }

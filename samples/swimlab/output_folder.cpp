@@ -1,5 +1,6 @@
 #include "output_folder.hpp"
 
+#include <algorithm>
 #include <string>
 #include <system_error>
 
@@ -24,26 +25,26 @@ fs::path followed(const fs::path& path) {
   return fs::is_symlink(path) ? fs::weakly_canonical(path) : path;
 }
 
-bool is_summary(const fs::path& file) {
-  return holdfast::io::read_whole_file(file).find("\"holdfast/run/1\"") != std::string::npos;
-}
-
-/// Name of the first thing in the folder that a run does not write; empty when all is ours.
-std::string stranger_in(const fs::path& folder) {
+/// Name of the first thing in the folder that the command does not write; empty when all is ours.
+std::string stranger_in(const fs::path& folder, const OutputKind& kind) {
   bool empty = true, summary = false;
   for (const auto& entry : fs::directory_iterator(folder)) {
     empty = false;
     const std::string name = entry.path().filename().string();
-    if (name == "summary.json") summary = is_summary(entry.path());
-    const bool ours = name == "report.html" || name == "summary.json" || name == "rows.csv";
-    if (!ours && name != "pictures") return name;
-    if (name != "pictures") continue;
-    if (!entry.is_directory()) return name;
-    for (const auto& picture : fs::directory_iterator(entry.path())) {
-      if (picture.path().extension() != ".png") return "pictures/" + picture.path().filename().string();
+    if (kind.has_pictures && name == "pictures" && entry.is_directory()) {
+      for (const auto& picture : fs::directory_iterator(entry.path())) {
+        if (picture.path().extension() != ".png") return "pictures/" + picture.path().filename().string();
+      }
+      continue;
+    }
+    if (!entry.is_regular_file()) return name;
+    if (name == kind.summary) {
+      summary = holdfast::io::read_whole_file(entry.path()).find(kind.schema) != std::string::npos;
+    } else if (std::find(kind.files.begin(), kind.files.end(), name) == kind.files.end()) {
+      return name;
     }
   }
-  return empty || summary ? "" : "no summary.json of swimlab";
+  return empty || summary ? "" : "no " + kind.summary + " of " + kind.command;
 }
 
 }  // namespace
@@ -65,8 +66,16 @@ fs::path checked_json_file(const fs::path& file) {
   }
 }
 
-OutputFolder::OutputFolder(const fs::path& target) {
-  const std::string expected = "a new folder, or one that swimlab run wrote";
+OutputKind run_output() {
+  return {.command = "swimlab run",
+          .summary = "summary.json",
+          .schema = "\"holdfast/run/1\"",
+          .files = {"report.html", "rows.csv"},
+          .has_pictures = true};
+}
+
+OutputFolder::OutputFolder(const fs::path& target, const OutputKind& kind) {
+  const std::string expected = "a new folder, or one that " + kind.command + " wrote";
   if (target.empty()) refuse(target, "empty", expected);
   target_ = fs::absolute(target).lexically_normal();
   if (!target_.has_filename()) target_ = target_.parent_path();  // "report/" is "report"
@@ -78,12 +87,12 @@ OutputFolder::OutputFolder(const fs::path& target) {
     }
     if (fs::exists(target_)) {
       if (!fs::is_directory(target_)) refuse(target, "is a file", expected);
-      const std::string stranger = stranger_in(target_);
+      const std::string stranger = stranger_in(target_, kind);
       if (!stranger.empty()) refuse(target, "holds other things (" + stranger + ") and is left as it is", expected);
     }
     fs::create_directories(target_.parent_path());
     unfinished_ = target_.parent_path() / (target_.filename().string() + ".unfinished-" + std::to_string(getpid()));
-    fs::create_directories(unfinished_ / "pictures");
+    fs::create_directories(kind.has_pictures ? unfinished_ / "pictures" : unfinished_);
   } catch (const fs::filesystem_error& error) {
     refuse(target, "cannot be written: " + error.code().message(), "a writable place");
   }

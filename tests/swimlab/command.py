@@ -1,30 +1,19 @@
 """Tests the command from outside: exit codes and messages of bad use, files whole or absent, JSON as the contract says."""
 
 import csv
-import json
 import math
 import os
 import pathlib
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 import unittest
 
-SWIMLAB = None
-RECORDINGS = None
+import outside
+from outside import SWIMLAB, Case, strict_json, swimlab
 
-
-def swimlab(*arguments, cwd=None):
-    return subprocess.run([SWIMLAB, *map(str, arguments)], capture_output=True, text=True, cwd=cwd, timeout=600)
-
-
-def strict_json(text):
-    """JSON as the standard has it: no NaN, no Infinity."""
-    def refuse(name):
-        raise ValueError("not finite: " + name)
-    return json.loads(text, parse_constant=refuse)
+RECORDINGS = sys.argv[2] if len(sys.argv) > 2 else ""
 
 
 def quaternion(ax, ay, az):
@@ -46,24 +35,6 @@ def write_motion(path, shift_s=0.0, rate_hz=120.0, seconds=12.0):
         p = (0.1 * math.sin(1.7 * m), 1.6 + 0.03 * math.sin(2.9 * m), 0.08 * math.cos(1.3 * m))
         lines.append("%.9f %.12g %.12g %.12g %.12g %.12g %.12g %.12g" % (100 + t, *p, *q))
     path.write_text("\n".join(lines) + "\n")
-
-
-class Case(unittest.TestCase):
-    def setUp(self):
-        self.scratch = tempfile.TemporaryDirectory(prefix="holdfast-swimlab-")
-        self.dir = pathlib.Path(self.scratch.name)
-
-    def tearDown(self):
-        self.scratch.cleanup()
-
-    def refused(self, arguments, *words):
-        """Exit code 2, a message with all the words on standard error, nothing left on disk."""
-        before = sorted(self.dir.rglob("*"))
-        answer = swimlab(*arguments, cwd=self.dir)
-        self.assertEqual(answer.returncode, 2, answer.stderr + answer.stdout)
-        for word in words:
-            self.assertIn(word, answer.stderr)
-        self.assertEqual(sorted(self.dir.rglob("*")), before, "something was left behind")
 
 
 class BadUse(Case):
@@ -364,6 +335,4 @@ class Latency(Case):
 
 
 if __name__ == "__main__":
-    SWIMLAB = os.path.abspath(sys.argv[1])
-    RECORDINGS = sys.argv[2] if len(sys.argv) > 2 else ""
-    unittest.main(argv=[sys.argv[0]], verbosity=2)
+    outside.main()

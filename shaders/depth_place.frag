@@ -12,7 +12,7 @@
 layout(binding = 1) uniform sampler2D facets;
 layout(binding = 2) uniform sampler2DArray places;
 uniform mat3 tangent_of_tangent[3];
-uniform vec3 position[2];
+uniform vec3 position[3];
 uniform vec4 depth_of_tangent;
 uniform vec4 place_of_tangent;
 uniform vec3 line_of_place;
@@ -49,7 +49,7 @@ void main() {
   float s = 0.5;
   for (int i = 0; i < 8; ++i) {
     mat3 H = tangent_of_tangent[0] + s * (tangent_of_tangent[1] + s * tangent_of_tangent[2]);
-    vec3 o = position[0] + s * position[1];
+    vec3 o = position[0] + s * (position[1] + s * position[2]);
     vec3 seen = vec3(t_S - w * o.xy, 1.0 + w * o.z) * H;  // H is a turn: its transpose turns back
     if (!(seen.z > 0.0)) return;
     tangent = seen.xy / seen.z;

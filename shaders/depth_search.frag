@@ -4,13 +4,13 @@
 // the rendered picture the ray appears at inverse distance w at t_S(w) = t_inf + w (o.xy + o.z t_inf), a straight line: it is
 // walked pixel by pixel, w falling from that of the nearest thing to 0. It ends where it passes from before a linked surface to
 // behind it. Where it passes behind an edge instead, it is hidden from the rendering eye; if it ends so, the pixel is
-// disoccluded, and shows the farthest surface beside such an edge.
+// disoccluded, and shows the farthest surface beside such an edge, a pixel away from it.
 //   picture           linear filter, clamped to its edge
 //   facets            of depth_facets.frag
 //   greatest, blocks  of depth_extremes.frag: its last texel, and the texels of its first step
 //   tangent_of_tangent  H(s) = [0] + s [1] + s^2 [2], as in late_warp.vert, but of the turn alone, and to tangents of the rendering
 //                     eye: (t_inf, 1) ~ H(s) (t_E, 1)
-//   position          o(s) = [0] + s [1]: of the displayed eye, in the rendering eye's frame, m
+//   position          o(s) = [0] + s [1] + s^2 [2]: of the displayed eye, in the rendering eye's frame, m
 //   depth_of_tangent  pixel of the depth buffer = (t_S - xy) * zw
 //   line_of_place     as in late_warp.vert, of the panel
 // Define PER_COLOUR for a lens that bends colours differently: else green's search serves all three. Alpha: 1 covered, 1/2
@@ -21,7 +21,7 @@ layout(binding = 1) uniform sampler2D facets;
 layout(binding = 2) uniform sampler2D greatest;
 layout(binding = 3) uniform sampler2D blocks;
 uniform mat3 tangent_of_tangent[3];
-uniform vec3 position[2];
+uniform vec3 position[3];
 uniform vec4 depth_of_tangent;
 uniform vec3 line_of_place;
 out vec4 result;
@@ -45,7 +45,7 @@ float greatest_between(vec2 a, vec2 b, float greatest_w) {
 vec3 search(vec2 t_E, float s) {
   vec3 d = (tangent_of_tangent[0] + s * (tangent_of_tangent[1] + s * tangent_of_tangent[2])) * vec3(t_E, 1.0);
   if (!(d.z > 0.0)) return vec3(0.0);
-  vec3 o = position[0] + s * position[1];
+  vec3 o = position[0] + s * (position[1] + s * position[2]);
   vec2 t_infinite = d.xy / d.z;
   vec2 size = vec2(textureSize(facets, 0));
   vec2 at_infinity = (t_infinite - depth_of_tangent.xy) * depth_of_tangent.zw;
@@ -94,7 +94,14 @@ vec3 search(vec2 t_E, float s) {
       is_before = false;
       vec3 farther = here.z < left.z ? here : left;
       if (back != 0 && (!has_guess || farther.z < guess.z)) {
-        guess = farther;
+        // One pixel away from the edge, if that side goes on.
+        bool is_here = here.z < left.z;
+        ivec2 step = ivec2(back == 1 ? -1 : back == 4 ? 1 : 0, back == 2 ? -1 : back == 8 ? 1 : 0);
+        ivec2 beside = is_here ? cell : cell - step;
+        int on = is_here ? (back > 2 ? back / 4 : back * 4) : back;
+        bool goes_on = (int(texelFetch(facets, beside, 0).w) & on) != 0;
+        if (!is_here) step = -step;
+        guess = goes_on ? vec3(vec2(beside + step) + 0.5, texelFetch(facets, beside + step, 0).x) : farther;
         has_guess = true;
       }
     }

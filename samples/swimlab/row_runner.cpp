@@ -152,7 +152,7 @@ void compare_centroids(const EyeModel& eye, LensMode lens, const DisplayTiming& 
   const Rigid X_EW = frame.X_WE_true.inverse();
   const ShownOn on{eye, eye, lens, timing};
   const Boxes real_boxes = all_boxes(scene, [&](const Vector3& p_W) { return project(eye, X_EW * p_W); });
-  const Boxes drawn_boxes = all_boxes(scene, [&](const Vector3& p_W) { return shown_point(frame.shown, on, p_W); });
+  const Boxes drawn_boxes = all_boxes(scene, [&](const Vector3& p_W) { return place_in_view(frame.shown, on, p_W); });
   const std::vector<std::uint8_t> green = eye.lens_red || eye.lens_blue ? green_of(drawn) : std::vector<std::uint8_t>();
   const PictureView real_view{real.rgba, real.width, real.height, 4};
   const PictureView drawn_view = green.empty() ? PictureView{drawn.rgba, drawn.width, drawn.height, 4}

@@ -463,6 +463,21 @@ TEST_CASE("bad input is refused by name and leaves the target as it was") {
         CpuWarpProblem::other_lens);
   CHECK(warp.draw(WarpLattice(test::plain_eye(40, 31), LensMode::none), composed, source.span(), target.span()) ==
         CpuWarpProblem::other_lens);
+  // Another lens before the same panel: another model, another place, another colour.
+  EyeModel with_lens = eye;
+  with_lens.lens = Lens(RadialLens{0.2}, placed_at(0.9));
+  const auto drawn_for = [&](const EyeModel& prepared, const EyeModel& shown) {
+    return warp.draw(WarpLattice(prepared, LensMode::exact), ComposedWarp(shown, LensMode::exact, {}, view, {}),
+                     source.span(), target.span());
+  };
+  CHECK(drawn_for(with_lens, eye) == CpuWarpProblem::other_lens);
+  EyeModel other = with_lens;
+  other.lens = with_lens.lens.with_placement({Vector2(0.001, 0.0), with_lens.lens.placement().scale});
+  CHECK(drawn_for(with_lens, other) == CpuWarpProblem::other_lens);
+  other = with_lens;
+  other.lens_blue = Lens(RadialLens{0.21}, placed_at(0.9));
+  CHECK(drawn_for(with_lens, other) == CpuWarpProblem::other_lens);
+  CHECK(drawn_for(other, with_lens) == CpuWarpProblem::other_lens);
   Matrix3 broken = Matrix3::Identity();
   broken(1, 2) = std::numeric_limits<double>::quiet_NaN();
   const ScanHomography bad(ScanMatrices{broken, broken, broken});

@@ -334,6 +334,10 @@ TEST_CASE("what cannot be deflected is refused by name, and shown as it was draw
   check(DeflectionProblem::eye_beyond_plane, plane, view, LatePoses::at_once(moved(Vector3(0, 0, -0.6))));
   check(DeflectionProblem::eye_beyond_plane, plane, view, {view.X_WS, moved(Vector3(0, 0, -0.6))});
   CHECK(deflect(plane, view, LatePoses::at_once(moved(Vector3(0, 0, -0.4)))).ok());
+  // Half way through the scan alone: through the plane, turned away, or no pose.
+  check(DeflectionProblem::eye_beyond_plane, plane, view, {view.X_WS, view.X_WS, moved(Vector3(0, 0, -0.6))});
+  check(DeflectionProblem::turned_during_scan, {}, view, {view.X_WS, view.X_WS, turned(Vector3(0, 0, 2.0))});
+  check(DeflectionProblem::late_not_finite, {}, view, {view.X_WS, view.X_WS, lost});
   // Other kinds do not care for a plane.
   CHECK(deflect({DeflectionKind::rotation, -1.0}, view, still).ok());
 }

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -195,4 +197,25 @@ TEST_CASE(
   mesh.update(warp, Color::green);
   CHECK(mesh.vertices()[0].source[2] == 0.0f);
   for (const std::uint32_t i : mesh.solid()) CHECK(mesh.vertices()[i].source[2] > 0.0f);
+}
+
+TEST_CASE("a triangle that reaches far beyond the panel is drawn on it, one without end is left out") {
+  const PixelSize panel{8, 6};
+  std::vector<SourceSample> samples(48);
+  std::vector<float> nearness(48, -1.0f);
+  const deflection_detail::DepthTarget target{panel, panel, samples, nearness};
+  const auto vertex = [](float x, float y) { return DepthVertex{x, y, 1.0f, {x, y, 1.0f}}; };
+  constexpr float far = 1e20f, infinite = std::numeric_limits<float>::infinity();
+  const auto covered = [&](const DepthVertex& a, const DepthVertex& b, const DepthVertex& c) {
+    std::fill(nearness.begin(), nearness.end(), -1.0f);
+    deflection_detail::fill_triangle(target, a, b, c, SourceState::covered);
+    return std::count(nearness.begin(), nearness.end(), 1.0f);
+  };
+  CHECK(covered(vertex(-1, -1), vertex(3, -1), vertex(-1, 3)) == 48);
+  CHECK(covered(vertex(-far, -far), vertex(far, -far), vertex(0, far)) == 48);
+  CHECK(covered(vertex(far, far), vertex(2 * far, far), vertex(far, 2 * far)) == 0);
+  CHECK(covered(vertex(-far, -far), vertex(-2 * far, -far), vertex(-far, -2 * far)) == 0);
+  CHECK(covered(vertex(-1, -1), vertex(infinite, -1), vertex(-1, 3)) == 0);
+  CHECK(covered(vertex(-1, -1), vertex(3, NAN), vertex(-1, 3)) == 0);
+  CHECK(covered(vertex(0, 0), vertex(1, 0), vertex(0, 1)) > 20);
 }

@@ -183,6 +183,11 @@ TEST_CASE("evaluation.md value 7: depth removes the parallax that a rotation lea
   REQUIRE(guess);
   CHECK(guess->state == SourceState::disoccluded);
   CHECK(guess->w == doctest::Approx(0.5));
+  // The middle of the wall's second pixel beside the board's edge, which lies half a pixel from the true one at most.
+  const double beside_px =
+      source_pixel_of_tangent(view, guess->t_S).x() - source_pixel_of_tangent(view, Vector2(0.2, 0.0)).x();
+  CHECK(beside_px >= 1.0);
+  CHECK(beside_px <= 2.0);
 }
 
 TEST_CASE("what a nearer thing hides is not shown through it, and the first surface wins") {

@@ -26,7 +26,8 @@ TEST_CASE("the page's first example: a frame with a late rotation") {
   FieldTangents overfilled_field = eye.tangents;
   PixelSize overfilled_size = eye.resolution;
   HostTime display_time{};
-  Rigid X_WE_predicted, X_WE_at_scan_begin, X_WE_at_scan_end;
+  Rigid X_WE_predicted, X_WE_at_scan_begin, X_WE_at_scan_middle, X_WE_at_scan_end;
+  X_WE_at_scan_middle = Rigid::rotation(so3::exp<double>(Vector3(0.0, 0.01, 0.0)));
   X_WE_at_scan_end = Rigid::rotation(so3::exp<double>(Vector3(0.0, 0.02, 0.0)));
   int shown = 0;
 
@@ -35,7 +36,7 @@ TEST_CASE("the page's first example: a frame with a late rotation") {
   RenderedPicture<Texture> picture(view, engine_draws(view));
 
   // Just before scan-out: where is the eye really?
-  LatePoses late{X_WE_at_scan_begin, X_WE_at_scan_end};
+  LatePoses late{X_WE_at_scan_begin, X_WE_at_scan_end, X_WE_at_scan_middle};
   DeflectionResult deflection = deflect({.kind = DeflectionKind::rotation}, picture, late);
   if (!deflection.ok()) std::puts(describe(deflection.problem).data());  // it is shown as it was drawn
 

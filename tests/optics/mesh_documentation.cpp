@@ -19,7 +19,7 @@ TEST_CASE("the page's mesh and overfill") {
   DeflectionBudget budget{degrees(6), degrees(4), degrees(3)};
   FieldTangents wide = overfilled(eye.tangents, budget);
   PixelSize size = overfilled_size(eye, wide);
-  DeflectedField exact = whole_pixels(eye, wide);
+  EyePicture exact = whole_pixels(eye, wide);
   FieldResult seen = overfilled(mesh, budget);
   CHECK(size.width > eye.resolution.width);
   CHECK(exact.size.width >= size.width);

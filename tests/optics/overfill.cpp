@@ -158,7 +158,7 @@ TEST_CASE("pixels stay as dense") {
 
 TEST_CASE("whole pixels: every pixel of the panel's own picture is one of the wider one") {
   EyeModel eye = default_hmd().left;
-  const DeflectedField wide = whole_pixels(eye, overfilled(eye.tangents, {degrees(5), degrees(4), degrees(3)}));
+  const EyePicture wide = whole_pixels(eye, overfilled(eye.tangents, {degrees(5), degrees(4), degrees(3)}));
   const Vector2 px = pixels_per_tangent(eye);
   CHECK(wide.size.width / (wide.tangents.right - wide.tangents.left) == doctest::Approx(px.x()).epsilon(1e-13));
   CHECK(wide.size.height / (wide.tangents.up - wide.tangents.down) == doctest::Approx(px.y()).epsilon(1e-13));

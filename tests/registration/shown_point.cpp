@@ -2,6 +2,9 @@
 
 #include <doctest/doctest.h>
 
+#include <holdfast/deflection/composed_warp.hpp>
+#include <holdfast/motion/generators.hpp>
+#include <holdfast/registration/fiducial_error.hpp>
 #include <holdfast/registration/shown_point.hpp>
 
 using namespace holdfast;
@@ -132,4 +135,68 @@ TEST_CASE("what was not drawn is not shown") {
   disc.centre_W.z() = 1.0;  // behind
   CHECK_FALSE(shown_centroid(picture, on, disc));
   CHECK_FALSE(shown_point(picture, on, disc.centre_W));
+  // A point as well as a disc: the picture's left edge is at -30 degrees, the deflected one's on the panel at -20.
+  const auto at = [](double azimuth_deg) { return Vector3(std::tan(degrees(azimuth_deg).radians()), 0.0, -1.0); };
+  CHECK(shown_point(picture, on, at(-29.9)));
+  CHECK_FALSE(shown_point(picture, on, at(-30.1)));
+  const auto beyond = place_in_view(picture, on, at(-30.1));
+  REQUIRE(beyond);
+  CHECK((*beyond - *project(eye, picture.late.X_WE_begin.inverse() * at(-30.1))).norm() < 1e-9);
+  ShownPicture as_drawn = picture;
+  as_drawn.how.kind = DeflectionKind::none;
+  CHECK(shown_point(as_drawn, on, at(-29.9)));
+  CHECK_FALSE(shown_point(as_drawn, on, at(-30.1)));
+}
+
+TEST_CASE("at a lens's edge a point and a real disc are seen on the line that lights them, in every scan direction") {
+  // The lens ends inside the panel, and the head turns by 2.2 degrees during the scan: near the edge a thing is within the
+  // lens for a part of the lines only.
+  HmdModel hmd = default_hmd();
+  hmd.left.X_HE = Rigid();
+  EyeModel& eye = hmd.left;
+  eye.lens = Lens(RadialLens{-0.5}, placed_at(0.4));
+  const auto motion = make_yaw_ramp({degrees(-40), degrees(40), degrees(200), Duration{0}}, std::chrono::seconds(1));
+  for (const ScanDirection direction : scan_directions) {
+    const DisplayTiming timing = timing_of(ScanOut::rolling, direction);
+    const HostTime t_display = time_at(0.2);
+    const auto X_WE = [&](double s) { return motion->at(t_display + line_time_from_middle(timing, s)).X_WB; };
+    ShownPicture picture;
+    const FieldTangents wider = overfilled(eye.tangents, {degrees(8), degrees(8), degrees(4)});
+    picture.view = {X_WE(0.5), wider, overfilled_size(eye, wider), t_display};
+    picture.how = {DeflectionKind::depth, 2.0, true};
+    picture.late = {X_WE(0.0), X_WE(1.0), X_WE(0.5)};
+    picture.deflection = deflect(picture.how, picture.view, picture.late);
+    REQUIRE(picture.is_deflected());
+    const ShownOn on{eye, eye, LensMode::exact, timing};
+    int found = 0, edge = 0;
+    for (int i = 0; i < 360; ++i) {
+      // A direction of what the panel shows near the lens's edge, at the time at which it is lit there.
+      const double r = eye.lens.valid_radius() * (0.7 + 0.18 * (i % 7) / 6.0), a = degrees(i).radians();
+      const Vector2 panel(r * std::cos(a), r * std::sin(a));
+      const Vector2 panel_px = pixel_of_tangent(eye, panel);
+      const auto t_E = eye.lens.distort(panel);
+      if (!t_E || !is_inside(eye, panel_px)) continue;
+      const double s = on.line_fraction(panel_px);
+      const Vector3 p_W = X_WE(s) * direction_of_tangents(*t_E);
+      const Vector2 expected = pixel_of_tangent(eye, *t_E);
+      const auto seen = shown_point(picture, on, p_W);
+      REQUIRE(seen);
+      // The parabola through the late poses of an even turn is that turn, but for times in whole nanoseconds.
+      CHECK((*seen - expected).norm() < 1e-4);
+      Disc disc;
+      disc.centre_W = p_W;
+      disc.normal_W = X_WE(s).q() * Vector3::UnitZ();
+      disc.radius_m = 1e-4;
+      const auto real = real_ellipse(*motion, eye, timing, LensMode::exact, disc, t_display, X_WE(0.5));
+      REQUIRE(real);
+      CHECK((real->centroid - expected).norm() < 1e-3);
+      const auto at_middle = tangents_of_point(X_WE(0.5).inverse() * p_W);
+      edge += at_middle && eye.lens.undistort(*at_middle) ? 0 : 1;
+      ++found;
+    }
+    MESSAGE(name_of(direction), ": ", edge, " of ", found, " lie outside the lens for the middle line");
+    CHECK(found > 100);
+    // Scanned the way in which things move past a head that turns left, they are nearer to the middle at the middle line.
+    CHECK((edge > 5 || direction == ScanDirection::left_to_right));
+  }
 }

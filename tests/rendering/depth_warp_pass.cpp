@@ -135,7 +135,8 @@ TEST_CASE("the picture by depth is the one that the composed warp defines: state
         const Rigid X_WS = eye.X_HE;
         warper.draw(X_WS, virtual_style());
         const LatePoses late{moved_pose(X_WS, {0.01, 0.02, 0.01}, {0.03, 0.01, -0.02}),
-                             moved_pose(X_WS, {0.01, 0.04, 0.02}, {0.04, 0.01, -0.03})};
+                             moved_pose(X_WS, {0.01, 0.04, 0.02}, {0.04, 0.01, -0.03}),
+                             moved_pose(X_WS, {0.01, 0.032, 0.016}, {0.036, 0.011, -0.026})};  // it slows down
         const DeflectionResult deflected = deflect({.kind = DeflectionKind::depth}, warper.view, late);
         REQUIRE(deflected.ok());
         const DisplayTiming timing = rolling(direction);
@@ -198,7 +199,8 @@ TEST_CASE("forward and backward: lens and colours composed, the forward mesh dra
       const Rigid X_WS = eye.X_HE;
       warper.draw(X_WS, virtual_style());
       const LatePoses late{moved_pose(X_WS, {0.01, 0.02, 0.01}, {0.03, 0.01, -0.02}),
-                           moved_pose(X_WS, {0.01, 0.04, 0.02}, {0.04, 0.01, -0.03})};
+                           moved_pose(X_WS, {0.01, 0.04, 0.02}, {0.04, 0.01, -0.03}),
+                           moved_pose(X_WS, {0.01, 0.032, 0.016}, {0.036, 0.011, -0.026})};  // it slows down
       const DeflectionResult deflected = deflect({.kind = DeflectionKind::depth}, warper.view, late);
       REQUIRE(deflected.ok());
       const DisplayTiming timing = rolling(ScanDirection::top_to_bottom);
@@ -226,7 +228,7 @@ TEST_CASE("forward and backward: lens and colours composed, the forward mesh dra
       const StateDisagreement d =
           state_disagreement(shown, warper.source, [&](const Vector2& pixel, std::size_t c) { return at(pixel, c); });
       INFO("states differ in " << d.state_pct << " %, RMS " << d.rms << " of 255, disoccluded " << d.disoccluded_pct
-                                  << " %");
+                               << " %");
       CHECK(d.disoccluded_pct > 0.5);
       // Pixels that a triangle's edge passes within single precision's error.
       CHECK(d.state_pct < 0.3);

@@ -4,16 +4,15 @@
 ///     panel pixel -> panel tangent --lens and its correction (per colour)--> t_E --deflection(s)--> t_S -> source pixel,
 /// s being the line fraction of the panel pixel (1/2 everywhere on a global display), and the deflection a
 /// ScanHomography or a DepthSearch. This is the definition that every implementation (mesh, GLSL, CPU) is tested
-/// against. seen_pixel is the inverse: it solves for s, as the line on which a thing lights depends on where it is
-/// shown. Pixels: origin at the lower left, centres at half integers; panel pixels are the panel's own, also when it is
+/// against. seen_pixel is the inverse: it solves for s (lit_line.hpp). Pixels: origin at the lower left, centres at half integers; panel pixels are the panel's own, also when it is
 /// mounted upside down; "seen" pixels are the eye's ideal ones.
 /// Bad input: outside the lens's domain, or where the direction is not ahead of the source eye, the answer is nothing.
 #pragma once
 
-#include <cmath>
 #include <optional>
 
 #include <holdfast/deflection/depth_search.hpp>
+#include <holdfast/deflection/lit_line.hpp>
 #include <holdfast/deflection/rendered_picture.hpp>
 #include <holdfast/deflection/scan_homography.hpp>
 #include <holdfast/deflection/source_state.hpp>
@@ -110,23 +109,17 @@ class ComposedWarp {
   /// The panel pixel that shows a source pixel: the inverse of source_pixel (by depth: if nothing hides it).
   [[nodiscard]] std::optional<Vector2> panel_pixel(const Vector2& source_pixel, Color color = Color::green) const {
     const Vector2 t_S = tangent_of_source_pixel(view_, source_pixel);
-    // Where it is shown decides its line, and the line where it is shown: a root of line(s) - s, found by secants. The
-    // slope is -1, but for the part of the picture that things move during the scan, usually below a tenth.
-    double s = 0.5, last_s = 0.0, last_off = 0.0;
-    for (int i = 0; i < 20; ++i) {
+    const auto shown = [&](double s) -> std::optional<Vector2> {
       const std::optional<Vector2> t_E = displayed_tangent(t_S, s);
       const auto drawn = t_E ? drawn_tangent(eye_->lens_of(color), mode_, *t_E) : std::nullopt;
-      if (!drawn) return std::nullopt;
-      const Vector2 panel = pixel_of_tangent(*eye_, *drawn);
-      const double off = line_fraction(panel) - s;
-      if (std::abs(off) <= 1e-13 || is_constant()) return panel;
-      const double slope = i == 0 ? -1.0 : (off - last_off) / (s - last_s);
-      if (!(slope < -0.1)) return std::nullopt;  // things move by about the picture's height during the scan
-      last_s = s;
-      last_off = off;
-      s -= off / slope;
-    }
-    return std::nullopt;
+      return drawn ? std::optional<Vector2>(pixel_of_tangent(*eye_, *drawn)) : std::nullopt;
+    };
+    if (is_constant()) return shown(0.5);
+    return on_its_line([&](double s) -> std::optional<LitPlace<Vector2>> {
+      const std::optional<Vector2> panel = shown(s);
+      if (!panel) return std::nullopt;
+      return LitPlace<Vector2>{*panel, line_fraction(*panel)};
+    });
   }
 
   /// Where the eye sees a source pixel, through the true lens: the inverse of source_pixel_seen.

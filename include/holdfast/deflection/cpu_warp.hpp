@@ -44,7 +44,7 @@ enum class CpuWarpProblem {
   target_picture,  ///< see problem_of(target)
   source_size,     ///< not the size that its RenderedView names
   target_size,     ///< not the size of the panel
-  other_lens,      ///< the lattice was prepared for another panel or LensMode
+  other_lens,      ///< the lattice was prepared for another panel, lens or LensMode
   other_view,      ///< the picture was drawn with another view than the warp is for
   overlap,         ///< source and target share memory
   not_finite,      ///< the view or H_SE holds numbers that are not
@@ -63,7 +63,7 @@ enum class CpuWarpProblem {
     case CpuWarpProblem::target_size:
       return "the target picture's size is not that of the eye's panel";
     case CpuWarpProblem::other_lens:
-      return "the lattice was prepared for another panel or lens mode";
+      return "the lattice was prepared for another panel, lens or lens mode";
     case CpuWarpProblem::other_view:
       return "the source picture was drawn with another view than the warp is for";
     case CpuWarpProblem::overlap:
@@ -149,10 +149,7 @@ class CpuWarp {
     if (holdfast::problem_of(target) != PictureProblem::none) return CpuWarpProblem::target_picture;
     if (PixelSize{source.width, source.height} != warp.view().size) return CpuWarpProblem::source_size;
     if (PixelSize{target.width, target.height} != warp.eye().resolution) return CpuWarpProblem::target_size;
-    if (lattice.mode() != warp.mode() || lattice.size() != warp.eye().resolution ||
-        lattice.panel_tangents_of_eye() != panel_tangents(warp.eye())) {
-      return CpuWarpProblem::other_lens;
-    }
+    if (!lattice.is_for(warp.eye(), warp.mode())) return CpuWarpProblem::other_lens;
     return overlap(source, target) ? CpuWarpProblem::overlap : CpuWarpProblem::none;
   }
 

@@ -1,8 +1,8 @@
 /// Image deflection: how a finished picture must be moved for where the eye is by now.
 ///
 /// A picture was drawn for the eye frame S; when its light leaves the display the eye is at E. From the view that the
-/// picture was drawn with and the late poses of the eye at the scan's begin and end, deflect() finds for every line
-/// the map (t_S, 1) ~ H_SE(s) (t_E, 1) of tangents. Kinds, each leaving less behind than the one before:
+/// picture was drawn with and the late poses of the eye during the scan (LatePoses), deflect() finds for every line the
+/// map (t_S, 1) ~ H_SE(s) (t_E, 1) of tangents. Kinds, each leaving less behind than the one before:
 ///   none        the picture as it is
 ///   shift       it slides, so that the centre of the view is right (So & Griffin 1992); errs towards the edges
 ///   shift_roll  it also turns in its plane, by the turn that is nearest to the true map at the centre
@@ -14,7 +14,6 @@
 /// picture is shown as it was drawn.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -95,7 +94,7 @@ namespace deflection_detail {
 
 [[nodiscard]] inline DeflectionProblem problem_of(const RenderedView& view, const LatePoses& late) {
   if (!view.X_WS.is_finite()) return DeflectionProblem::view_not_finite;
-  if (!late.X_WE_begin.is_finite() || !late.X_WE_end.is_finite()) return DeflectionProblem::late_not_finite;
+  if (!late.is_finite()) return DeflectionProblem::late_not_finite;
   if (holdfast::problem_of(view.tangents) != FieldProblem::none) return DeflectionProblem::no_field;
   if (view.size.width <= 0 || view.size.height <= 0) return DeflectionProblem::no_pixels;
   return DeflectionProblem::none;
@@ -108,17 +107,17 @@ namespace deflection_detail {
 
 [[nodiscard]] inline DeflectionProblem problem_of(const ScanPose& X_SE) {
   // |q.w| is the cosine of half the angle.
-  if (!(std::abs(relative_pose(X_SE.begin(), X_SE.end()).q().w()) > std::sqrt(0.5))) {
-    return DeflectionProblem::turned_during_scan;
-  }
+  const auto is_near = [&](const Rigid& X) {
+    return std::abs(relative_pose(X_SE.begin(), X).q().w()) > std::sqrt(0.5);
+  };
+  if (!is_near(X_SE.middle()) || !is_near(X_SE.end())) return DeflectionProblem::turned_during_scan;
   const bool ahead = looks_ahead(X_SE.begin()) && looks_ahead(X_SE.middle()) && looks_ahead(X_SE.end());
   return ahead ? DeflectionProblem::none : DeflectionProblem::turned_beyond_90;
 }
 
-/// E runs straight during the scan, so that the ends of its way tell of all of it.
 [[nodiscard]] inline DeflectionProblem problem_of_plane(const ScanPose& X_SE, double distance_m) {
   if (!(distance_m > 0.0) || !std::isfinite(distance_m)) return DeflectionProblem::no_plane_distance;
-  const double nearest = distance_m + std::min(X_SE.begin().p().z(), X_SE.end().p().z());
+  const double nearest = distance_m + X_SE.least_z();
   if (std::abs(nearest) <= 1e-6 * distance_m) return DeflectionProblem::eye_in_plane;
   return nearest < 0.0 ? DeflectionProblem::eye_beyond_plane : DeflectionProblem::none;
 }

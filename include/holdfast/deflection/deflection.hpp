@@ -11,6 +11,7 @@
 #include <holdfast/deflection/depth_raster.hpp>
 #include <holdfast/deflection/depth_search.hpp>
 #include <holdfast/deflection/depth_surface.hpp>
+#include <holdfast/deflection/lit_line.hpp>
 #include <holdfast/deflection/picture_span.hpp>
 #include <holdfast/deflection/rendered_picture.hpp>
 #include <holdfast/deflection/scan_homography.hpp>

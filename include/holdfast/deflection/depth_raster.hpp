@@ -2,7 +2,8 @@
 ///
 /// What a GPU does with the mesh: every triangle is filled at the pixel centres that it covers, source coordinates are
 /// interpolated homogeneously, the nearer one wins, solid ones against equals. A panel pixel that no triangle reaches is
-/// outside. Memory is the caller's, nothing is allocated. Bad input: arrays of another size than the panel are asserted.
+/// outside. Memory is the caller's, nothing is allocated. Bad input: a triangle with a corner that is not finite is left
+/// out; arrays of another size than the panel are asserted.
 #pragma once
 
 #include <algorithm>
@@ -36,15 +37,19 @@ inline void fill_triangle(const DepthTarget& target, const DepthVertex& a, const
   }
   const auto cross = [](const Vector2& u, const Vector2& v) { return u.x() * v.y() - u.y() * v.x(); };
   const double area = cross(p[1] - p[0], p[2] - p[0]);
-  if (!(std::abs(area) > 1e-12)) return;
-  const auto first = [](double low) { return std::max(0, static_cast<int>(std::ceil(low - 0.5))); };
-  const auto last = [](double high, int n) { return std::min(n - 1, static_cast<int>(std::floor(high - 0.5))); };
+  if (!(std::abs(area) > 1e-12) || !std::isfinite(area)) return;
+  const auto first = [](double low, int n) {
+    return static_cast<int>(std::clamp(std::ceil(low - 0.5), 0.0, double(n)));
+  };
+  const auto last = [](double high, int n) {
+    return static_cast<int>(std::clamp(std::floor(high - 0.5), -1.0, n - 1.0));
+  };
   const auto [x_low, x_high] = std::minmax({p[0].x(), p[1].x(), p[2].x()});
   const auto [y_low, y_high] = std::minmax({p[0].y(), p[1].y(), p[2].y()});
-  const int x_last = last(std::min(x_high, 1e6), target.panel.width);
-  const int y_last = last(std::min(y_high, 1e6), target.panel.height);
-  for (int y = first(std::max(y_low, 0.0)); y <= y_last; ++y) {
-    for (int x = first(std::max(x_low, 0.0)); x <= x_last; ++x) {
+  const int x_first = first(x_low, target.panel.width), x_last = last(x_high, target.panel.width);
+  const int y_first = first(y_low, target.panel.height), y_last = last(y_high, target.panel.height);
+  for (int y = y_first; y <= y_last; ++y) {
+    for (int x = x_first; x <= x_last; ++x) {
       const Vector2 at(x + 0.5, y + 0.5);
       double weight[3];
       bool inside = true;

@@ -7,8 +7,8 @@
 /// first place at which the ray passes from before a surface to behind it, inside a facet or between linked ones, is
 /// what E sees. Passing behind a surface over a cut edge is no hit: the ray is then hidden from S until it comes out
 /// again, and when it ends hidden, or comes out behind the surface that it has to meet, what E sees there was hidden
-/// when the picture was drawn: disoccluded. The answer is then a guess, the farthest surface beside the edge that hid
-/// it. A ray that reaches w = 0 before anything shows what is infinitely far. Steps: at most the pixels on the line,
+/// when the picture was drawn: disoccluded. The answer is then a guess, the farthest surface beside the edges that hid
+/// it, a pixel away from the edge. A ray that reaches w = 0 before anything shows what is infinitely far. Steps: at most the pixels on the line,
 /// about |p_SE| * pixels per tangent / nearest distance. Nothing is allocated.
 /// Sources: Mark, McMillan & Bishop 1997 (post-rendering 3D warping); Amanatides & Woo 1987 (the walk).
 /// Bad input: a direction that is not ahead of the source eye has no source, and an empty surface has none at all.
@@ -157,12 +157,17 @@ class EpipolarWalk {
     return false;
   }
 
-  /// The ray passes behind `facet` over a cut edge: remembers the farther of the two sides for the guess.
+  /// The ray passes behind `facet` over a cut edge: remembers the farther of the two sides for the guess, one pixel away
+  /// from the edge if that side goes on: beside an edge, smoothed pictures hold a mixture of both sides.
   void hide(const DepthFacet& facet) {
     is_before_ = false;
     if (!entered_) return;
-    const DepthFacet& farther = facet.w < last_facet_.w ? facet : last_facet_;
-    if (!guess_ || farther.w < guess_->w) guess_ = farther;
+    const bool is_here = facet.w < last_facet_.w;
+    const DepthFacet& farther = is_here ? facet : last_facet_;
+    if (guess_ && !(farther.w < guess_->w)) return;
+    const int x = cell_[0] - (is_here ? 0 : entered_dx_), y = cell_[1] - (is_here ? 0 : entered_dy_);
+    const int dx = is_here ? entered_dx_ : -entered_dx_, dy = is_here ? entered_dy_ : -entered_dy_;
+    guess_ = surface_.linked(x, y, dx, dy) ? surface_.facet(x + dx, y + dy) : farther;
   }
 
   [[nodiscard]] DepthSource found_at(double w, SourceState state) const {

@@ -68,9 +68,11 @@ class DepthSurface {
   /// Whether the surface goes on from a pixel to its right or upper neighbour.
   [[nodiscard]] bool linked_right(int x, int y) const { return (links_[index(x, y)] & right_bit) != 0; }
   [[nodiscard]] bool linked_up(int x, int y) const { return (links_[index(x, y)] & up_bit) != 0; }
-  /// Whether it goes on to the neighbour at (x + dx, y + dy), one of the four.
+  /// Whether it goes on to the neighbour at (x + dx, y + dy), one of the four; not beyond the image's edge.
   [[nodiscard]] bool linked(int x, int y, int dx, int dy) const {
-    return dx != 0 ? linked_right(x + std::min(dx, 0), y) : linked_up(x, y + std::min(dy, 0));
+    const int left = x + std::min(dx, 0), below = y + std::min(dy, 0);
+    if (left < 0 || below < 0) return false;
+    return dx != 0 ? linked_right(left, y) : linked_up(x, below);
   }
 
   [[nodiscard]] double w(int x, int y) const { return double(w_[index(x, y)]); }

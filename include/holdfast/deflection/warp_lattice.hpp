@@ -8,6 +8,7 @@
 /// reader sees to it); an eye without pixels gives an empty lattice, which the warp refuses.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <optional>
@@ -23,7 +24,7 @@ class WarpLattice {
   static constexpr double default_max_error_px = 0.002;  ///< half a step of 255 at the steepest edge there can be
 
   WarpLattice(const EyeModel& eye, LensMode mode, double max_error_px = default_max_error_px)
-      : mode_(mode), size_(eye.resolution), panel_(panel_tangents(eye)) {
+      : mode_(mode), size_(eye.resolution), panel_(panel_tangents(eye)), probes_(probes_of(eye, mode)) {
     if (mode == LensMode::none || mode == LensMode::uncorrected || size_.width <= 0 || size_.height <= 0) return;
     per_color_ = eye.lens_red.has_value() || eye.lens_blue.has_value();
     bool bends = false;
@@ -44,7 +45,12 @@ class WarpLattice {
 
   [[nodiscard]] LensMode mode() const { return mode_; }
   [[nodiscard]] PixelSize size() const { return size_; }
-  [[nodiscard]] const FieldTangents& panel_tangents_of_eye() const { return panel_; }
+  /// Whether it was prepared for this panel, mode and lens. Lenses are told apart by what a few places of the panel
+  /// show in each colour.
+  [[nodiscard]] bool is_for(const EyeModel& eye, LensMode mode) const {
+    return mode == mode_ && eye.resolution == size_ && panel_tangents(eye) == panel_ &&
+           std::equal(probes_.begin(), probes_.end(), probes_of(eye, mode).begin(), is_same);
+  }
   /// Whether the colours are bent differently: three positions a pixel.
   [[nodiscard]] bool per_color() const { return per_color_; }
   /// Whether every panel pixel shows its own tangent.
@@ -63,9 +69,31 @@ class WarpLattice {
   }
 
  private:
+  /// Places at various distances from any centre, three colours each.
+  using Probes = std::array<std::optional<Vector2>, 18>;
+
+  [[nodiscard]] static Probes probes_of(const EyeModel& eye, LensMode mode) {
+    constexpr double places[][2] = {{0.5, 0.5}, {0.31, 0.62}, {0.83, 0.44}, {0.55, 0.11}, {0.13, 0.94}, {0.97, 0.05}};
+    const FieldTangents t = panel_tangents(eye);
+    Probes probes;
+    std::size_t i = 0;
+    for (const auto& [u, v] : places) {
+      const Vector2 panel(t.left + u * (t.right - t.left), t.down + v * (t.up - t.down));
+      for (const Color color : {Color::red, Color::green, Color::blue}) {
+        probes[i++] = ideal_tangent_at_panel(eye.lens_of(color), mode, panel);
+      }
+    }
+    return probes;
+  }
+  /// To rounding.
+  [[nodiscard]] static bool is_same(const std::optional<Vector2>& a, const std::optional<Vector2>& b) {
+    return a.has_value() == b.has_value() && (!a || (*a - *b).norm() <= 1e-12 * (1.0 + a->norm()));
+  }
+
   LensMode mode_;
   PixelSize size_;
   FieldTangents panel_;
+  Probes probes_;
   bool per_color_ = false;
   double max_error_px_ = 0.0;
   std::array<detail::LensCells, 3> cells_;

@@ -28,12 +28,6 @@ struct ClipSettings {
   YDirection y = YDirection::up;
 };
 
-/// The picture that one eye's renderer fills: constant as long as the headset is.
-struct EyePicture {
-  FieldTangents tangents;  ///< of the picture's edges
-  PixelSize size;
-};
-
 /// The smallest picture that fills the outline wherever a deflection within the budget takes it. Preparation: allocates.
 /// Nothing when there is none: an empty outline, a budget that is impossible or turns an edge 90 degrees away, or more
 /// than 32768 pixels to a side.

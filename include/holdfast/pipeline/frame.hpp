@@ -28,6 +28,7 @@ struct Frame {
   std::array<EyeView, 2> eyes;                    ///< left, right
   Duration refresh{0};                            ///< one, as known at the frame's beginning
   HostTime deadline{};                            ///< deflect must be called before, or the scan-out is missed
+  bool has_measurement = false;                   ///< begin_frame had one
   FrameIssues issues;                             ///< of begin_frame
   HostTime when_latched{}, measured_for_latch{};  ///< 0 before late_latch
 
@@ -42,7 +43,7 @@ struct Frame {
 
 /// What late latching changed.
 struct LateLatch {
-  Duration fresher{0};  ///< the measurement is newer by this than the one of begin_frame
+  Duration fresher{0};  ///< the measurement is newer by this than the one of begin_frame; 0 if that had none
   Angle turned;         ///< of the head's predicted pose
   double moved_m = 0.0;
   FrameIssues issues;  ///< of this stage
@@ -50,7 +51,7 @@ struct LateLatch {
 
 /// How one eye's finished picture must be moved.
 struct EyeDeflection {
-  LatePoses late;               ///< where the eye will be at the scan's begin and end
+  LatePoses late;               ///< where the eye will be at the scan's begin, middle and end
   DeflectionResult deflection;  ///< H_SE, X_SE
   SourceMatrices source;        ///< for shaders: the picture's (u, v, 1) ~ M(s) (t_E, 1)
   double lacking =
@@ -59,10 +60,10 @@ struct EyeDeflection {
 
 /// Both eyes' late correction for one scan-out.
 struct FrameDeflection {
-  HostTime scan_out_start{};                         ///< the vsync
-  HostTime scan_begin{}, scan_middle{}, scan_end{};  ///< light of the first line, of the middle one, of the last
-  PredictionResult head_begin, head_end;             ///< X_WH at scan_begin and scan_end
-  std::array<EyeDeflection, 2> eyes;                 ///< left, right
+  HostTime scan_out_start{};                           ///< the vsync
+  HostTime scan_begin{}, scan_middle{}, scan_end{};    ///< light of the first line, of the middle one, of the last
+  PredictionResult head_begin, head_middle, head_end;  ///< X_WH at these
+  std::array<EyeDeflection, 2> eyes;                   ///< left, right
   HostTime when_delivered{}, measured{};
   Angle turned;          ///< left eye: from the pose drawn with to the scan's middle
   double moved_m = 0.0;  ///< likewise
@@ -80,7 +81,7 @@ struct FrameDeflection {
   log.predicted_display_time = frame.plan.middle_of_scan_out;
   log.predicted_display_period = frame.refresh;
   log.when_predicted = frame.plan.now;
-  log.when_measured = frame.plan.measured;
+  if (frame.has_measurement) log.when_measured = frame.plan.measured;
   log.when_latched = frame.when_latched;
   log.when_measured_for_latch = frame.measured_for_latch;
   log.issues = frame.issues;

@@ -6,12 +6,12 @@
 ///     ... animate, cull, record commands ...
 ///     loop.late_latch(frame, now());                      // the newest pose replaces the views'
 ///     ... draw both eyes with frame.eyes, keep each picture with its rendered_view() ...
-///     FrameDeflection late = loop.deflect(left, right, now());   // where the eyes will be at the scan's begin and end
+///     FrameDeflection late = loop.deflect(left, right, now());   // where the eyes will be during the scan
 ///     ... warp with late.eyes[i].source and the lens's mesh ...
 ///
 /// Poses come from a PoseSource, which alone predicts; all poses of one call come from one measurement. begin_frame and
-/// late_latch predict to the middle of the frame's scan-out (timing/frame_plan.hpp), deflect to the light of the first
-/// and of the last line of the scan-out that comes next. Each stage can be switched off by `stages`, to find a culprit.
+/// late_latch predict to the middle of the frame's scan-out (timing/frame_plan.hpp), deflect to the light of the first,
+/// the middle and the last line of the scan-out that comes next. Each stage can be switched off by `stages`, to find a culprit.
 /// Nothing is silent: whatever a call had to make do with is in its FrameIssues. No call but the constructor allocates,
 /// locks or throws.
 /// Threads: begin_frame, late_latch and observe_vsync belong to one thread. deflect and the other const members may run
@@ -23,6 +23,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include <holdfast/pipeline/frame.hpp>
@@ -42,6 +43,7 @@ class FrameLoop {
       Eye& eye = eyes_[index_of(side)];
       eye.model = hmd.eye(side);
       eye.outline = FieldOutline(eye.model, settings.lens, hmd.timing);
+      eye.uncorrected = FieldOutline(eye.model, LensMode::uncorrected, hmd.timing);
       eye.picture = *overfilled_picture(eye.model, eye.outline, settings.budget);
     }
   }
@@ -75,6 +77,7 @@ class FrameLoop {
     frame.plan = plan(measured ? measured->t : now, now, frame.issues);
     frame.refresh = frame_period(display_);
     frame.deadline = frame.plan.scan_out_start - settings_.warp_time;
+    frame.has_measurement = measured.has_value();
     if (measured) {
       frame.head = predicted(*measured, frame.t(), frame.issues);
       if (!measured->X_WB.is_finite()) frame.head.X_WB = last_X_WH_;
@@ -102,7 +105,7 @@ class FrameLoop {
     const PredictionResult head = predicted(*measured, frame.t(), latch.issues);
     if (!measured->X_WB.is_finite()) return latch;  // the views stay as they are
     const Rigid moved = relative_pose(frame.head.X_WB, head.X_WB);
-    latch.fresher = measured->t - frame.plan.measured;
+    if (frame.has_measurement) latch.fresher = time_between(frame.plan.measured, measured->t);
     latch.turned = radians(so3::log<double>(moved.q()).norm());
     latch.moved_m = moved.p().norm();
     frame.head = head;
@@ -124,13 +127,16 @@ class FrameLoop {
       result.measured = measured->t;
       check_age(measured->t, now, result.issues);
       result.head_begin = predicted(*measured, result.scan_begin, result.issues);
+      result.head_middle = predicted(*measured, result.scan_middle, result.issues);
       result.head_end = predicted(*measured, result.scan_end, result.issues);
     }
     const bool known = measured && measured->X_WB.is_finite();
     for (std::size_t i = 0; i < 2; ++i) {
       const Rigid& X_HE = eyes_[i].model.X_HE;
       LatePoses late = LatePoses::at_once(views[i].X_WS);
-      if (known) late = {result.head_begin.X_WB * X_HE, result.head_end.X_WB * X_HE};
+      if (known) {
+        late = {result.head_begin.X_WB * X_HE, result.head_end.X_WB * X_HE, result.head_middle.X_WB * X_HE};
+      }
       result.eyes[i] = deflect_eye(eyes_[i], views[i], late, result.issues);
     }
     if (result.eyes[0].deflection.ok()) {
@@ -151,9 +157,17 @@ class FrameLoop {
  private:
   struct Eye {
     EyeModel model;
-    FieldOutline outline;
+    FieldOutline outline;      // of the settings' LensMode
+    FieldOutline uncorrected;  // while the lens stage is off
     EyePicture picture;
   };
+
+  /// t - from, at most 100 years either way: times that a tracker made up must not overflow.
+  [[nodiscard]] static Duration time_between(HostTime from, HostTime t) {
+    constexpr double most_s = 100.0 * 365.25 * 86400.0;
+    const double seconds = detail::seconds_between(from, t);
+    return std::abs(seconds) < most_s ? t - from : from_seconds(std::copysign(most_s, seconds));
+  }
 
   void check_age(HostTime measured, HostTime now, FrameIssues& issues) const {
     const double age = detail::seconds_between(measured, now);
@@ -210,7 +224,8 @@ class FrameLoop {
     result.deflection = holdfast::deflect(settings, view, late);
     if (!result.deflection.ok()) issues.add(FrameIssue::deflection_refused);
     result.source = source_matrices(view, result.deflection.H_SE);
-    result.lacking = eye.outline.lacking(view.tangents, result.deflection.H_SE);
+    const FieldOutline& outline = lens_mode() == LensMode::uncorrected ? eye.uncorrected : eye.outline;
+    result.lacking = outline.lacking(view.tangents, result.deflection.H_SE);
     // What the rounding of the outline's own bounds may do.
     if (result.lacking > 1e-12) issues.add(FrameIssue::not_covered);
     return result;

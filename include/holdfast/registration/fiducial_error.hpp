@@ -2,15 +2,14 @@
 ///
 /// Under a rolling scan-out each line of the panel has its own time. The virtual disc is drawn for the frame's pose,
 /// whatever the line, unless it is deflected line by line (shown_point.hpp); the real one is where the true eye pose
-/// puts it at the time of the line on which it then appears, found by fixed-point iteration (a line's time changes the
-/// picture's row by far less than a line per line). What is seen on a row of the view is lit by the panel line that the
-/// lens brings there. Pixels as in eye.hpp. Bad input:
-/// discs behind the eye, seen from behind, or cut by the picture's border are not visible.
+/// puts it at the time of the line on which it then appears (deflection/lit_line.hpp). What is seen on a row of
+/// the view is lit by the panel line that the lens brings there. Pixels as in eye.hpp. Bad input: discs behind the eye,
+/// seen from behind, cut by the picture's border or outside the lens's domain are not visible.
 #pragma once
 
-#include <cmath>
 #include <optional>
 
+#include <holdfast/deflection/lit_line.hpp>
 #include <holdfast/motion/motion.hpp>
 #include <holdfast/registration/experiment_types.hpp>
 #include <holdfast/registration/metrics.hpp>
@@ -18,11 +17,16 @@
 
 namespace holdfast {
 
+/// The panel pixel that the eye sees at an ideal pixel, through the true lens.
+[[nodiscard]] inline std::optional<Vector2> panel_pixel_seen(const EyeModel& eye, LensMode lens, const Vector2& seen) {
+  return lens == LensMode::none ? seen : drawn_pixel(eye, LensMode::exact, seen);
+}
+
 /// Seconds from the middle of scan-out at which the light arrives that is seen at an ideal pixel. Outside the lens: 0.
 [[nodiscard]] inline double light_seconds(const EyeModel& eye, const DisplayTiming& timing, LensMode lens,
                                           const Vector2& seen) {
   if (timing.scan_out == ScanOut::global) return 0.0;
-  const std::optional<Vector2> panel = lens == LensMode::none ? seen : drawn_pixel(eye, LensMode::exact, seen);
+  const std::optional<Vector2> panel = panel_pixel_seen(eye, lens, seen);
   if (!panel) return 0.0;
   const Vector2 size(eye.resolution.width, eye.resolution.height);
   return line_seconds_from_middle(timing, line_fraction_of_pixel(timing.scan_direction, *panel, size));
@@ -33,15 +37,16 @@ namespace holdfast {
                                                                   const DisplayTiming& timing, LensMode lens,
                                                                   const Disc& disc, HostTime t_display,
                                                                   const Rigid& X_WE_at_display) {
-  std::optional<ProjectedEllipse> ellipse = project_disc(eye, X_WE_at_display, disc);
-  if (timing.scan_out == ScanOut::global) return ellipse;
-  for (int i = 0; i < 20 && ellipse; ++i) {
-    const Vector2 before = ellipse->centroid;
-    const HostTime t = t_display + from_seconds(light_seconds(eye, timing, lens, before));
-    ellipse = project_disc(eye, motion.at(t).X_WB * eye.X_HE, disc);
-    if (ellipse && (ellipse->centroid - before).norm() < 1e-9) break;
-  }
-  return ellipse;
+  if (timing.scan_out == ScanOut::global) return project_disc(eye, X_WE_at_display, disc);
+  const Vector2 size(eye.resolution.width, eye.resolution.height);
+  return on_its_line([&](double s) -> std::optional<LitPlace<ProjectedEllipse>> {
+    const Rigid X_WE = motion.at(t_display + line_time_from_middle(timing, s)).X_WB * eye.X_HE;
+    const std::optional<ProjectedEllipse> ellipse = project_disc(eye, X_WE, disc);
+    if (!ellipse) return std::nullopt;
+    const std::optional<Vector2> panel = panel_pixel_seen(eye, lens, ellipse->centroid);
+    if (!panel) return std::nullopt;
+    return LitPlace<ProjectedEllipse>{*ellipse, line_fraction_of_pixel(timing.scan_direction, *panel, size)};
+  });
 }
 
 /// Fills in both images of a disc and their difference. `real` is its ellipse in the ideal picture, `shown` the centroid

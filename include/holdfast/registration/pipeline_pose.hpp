@@ -7,8 +7,8 @@
 /// the causal difference of two measured poses: a recording's spline bends already before the head does, so its
 /// derivative knows the future.
 ///
-/// The late pose is measured `late` before the scan-out starts, and carried on to the light of the first and of the last
-/// line by the same predictor. It is never older than the pose that was drawn for, nor newer than the scan-out's start.
+/// The late pose is measured `late` before the scan-out starts, and carried on to the light of the first, the
+/// middle and the last line by the same predictor. It is never older than the pose that was drawn for, nor newer than the scan-out's start.
 ///
 /// Displayed pose (what the pose columns judge), at the middle of scan-out: not deflected, the pose drawn for;
 /// shift, shift_roll and rotation, the late orientation at the place drawn for (what a shift leaves of the turn shows in
@@ -71,21 +71,24 @@ namespace holdfast {
   return std::min(begin, std::max(begin - settings.late, t_display - settings.latency));
 }
 
-/// The head at the light of the first and of the last line, as known in time to deflect.
+/// The head at the light of the first line, of the middle one and of the last, as known in time to deflect.
 struct LateHeadPoses {
-  Rigid X_WH_begin, X_WH_end;
+  Rigid X_WH_begin, X_WH_middle, X_WH_end;
 
-  [[nodiscard]] Rigid middle() const { return interpolate(X_WH_begin, X_WH_end, 0.5); }
+  [[nodiscard]] LatePoses of_eye(const Rigid& X_HE) const {
+    return {X_WH_begin * X_HE, X_WH_end * X_HE, X_WH_middle * X_HE};
+  }
 };
 
 [[nodiscard]] inline LateHeadPoses late_poses(const Motion& motion, const ExperimentSettings& settings,
                                               HostTime t_display) {
   const Duration half = half_scan(settings.hmd.timing);
   const HostTime begin = t_display - half, end = t_display + half;
-  if (settings.perfect_late_pose) return {motion.at(begin).X_WB, motion.at(end).X_WB};
+  if (settings.perfect_late_pose) return {motion.at(begin).X_WB, motion.at(t_display).X_WB, motion.at(end).X_WB};
   const PoseEstimate measured = measure(motion, settings, late_time(settings, t_display));
-  const Rigid X_WH_begin = predicted_pose(settings, measured, begin);
-  return {X_WH_begin, half == Duration{0} ? X_WH_begin : predicted_pose(settings, measured, end)};
+  const Rigid X_WH_middle = predicted_pose(settings, measured, t_display);
+  if (half == Duration{0}) return {X_WH_middle, X_WH_middle, X_WH_middle};
+  return {predicted_pose(settings, measured, begin), X_WH_middle, predicted_pose(settings, measured, end)};
 }
 
 /// The displayed pose, see above.
@@ -110,7 +113,7 @@ struct LateHeadPoses {
   const DeflectionKind kind = deflection_of(settings).kind;
   const Rigid X_WH_drawn = drawn_pose(motion, settings, t_display);
   if (kind == DeflectionKind::none) return X_WH_drawn;
-  return displayed_pose(kind, X_WH_drawn, late_poses(motion, settings, t_display).middle());
+  return displayed_pose(kind, X_WH_drawn, late_poses(motion, settings, t_display).X_WH_middle);
 }
 
 /// How far ahead the displayed orientation is predicted: the latency, or the late pose's age at the middle of scan-out.

@@ -65,19 +65,15 @@ namespace detail {
 /// Tangent x at which the edge crosses a row of what the eye sees, when crossing(s) is that for line fraction s.
 template <typename Crossing>
 [[nodiscard]] std::optional<double> crossing_on_its_line(const ShownOn& on, double tan_y, const Crossing& crossing) {
-  double s = 0.5;
-  for (int i = 0; i < 64; ++i) {
-    const std::optional<double> x = crossing(s);
-    if (!x) return std::nullopt;
-    const Vector2 seen = pixel_of_tangent(on.eye, Vector2(*x, tan_y));
-    if (!is_inside(on.eye, seen)) return std::nullopt;
-    const std::optional<Vector2> panel = drawn_pixel(on.eye, on.lens, seen);
+  const auto x = on_its_line([&](double s) -> std::optional<LitPlace<double>> {
+    const std::optional<double> crossed = crossing(s);
+    if (!crossed) return std::nullopt;
+    const std::optional<Vector2> panel =
+        drawn_pixel(on.eye, on.lens, pixel_of_tangent(on.eye, Vector2(*crossed, tan_y)));
     if (!panel) return std::nullopt;
-    const double next = on.line_fraction(*panel);
-    if (std::abs(next - s) <= 1e-14) return x;
-    s = next;
-  }
-  return std::nullopt;
+    return LitPlace<double>{*crossed, on.line_fraction(*panel)};
+  });
+  return x && is_inside(on.eye, pixel_of_tangent(on.eye, Vector2(*x, tan_y))) ? x : std::nullopt;
 }
 
 }  // namespace detail

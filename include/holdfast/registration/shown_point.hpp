@@ -5,15 +5,14 @@
 /// line would have it, as the point's distance is known exactly here. The renderer draws and predistorts for the eye
 /// model that it believes in; light goes through the true one. Where the deflection is one for all lines, a disc stays
 /// an ellipse, which is mapped exactly; line by line its outline is followed (outline_centroid.hpp). Agrees with
-/// ComposedWarp::seen_pixel. Pixels as in eye.hpp: those that the eye sees. Bad input: what lies behind an eye, outside
-/// a lens's domain or outside the picture that was drawn is not shown: nothing.
+/// ComposedWarp::seen_pixel. Pixels as in eye.hpp: those that the eye sees; they may lie beyond the panel's edge. Bad
+/// input: what lies behind an eye, outside a lens's domain or outside the picture that was drawn is not shown: nothing.
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <optional>
 
-#include <holdfast/deflection/composed_warp.hpp>
+#include <holdfast/deflection/lit_line.hpp>
 #include <holdfast/registration/experiment_types.hpp>
 #include <holdfast/registration/projected_ellipse.hpp>
 
@@ -50,26 +49,22 @@ namespace detail {
 /// Where the eye sees what is shown at tangent_at(s), an optional Vector2, on the line of fraction s.
 template <typename TangentAt>
 [[nodiscard]] std::optional<Vector2> seen_on_its_line(const ShownOn& on, const TangentAt& tangent_at) {
-  // Where it is shown decides its line, and the line where it is shown: see ComposedWarp::panel_pixel.
-  double s = 0.5;
-  for (int i = 0; i < 64; ++i) {
+  const auto ideal = on_its_line([&](double s) -> std::optional<LitPlace<Vector2>> {
     const std::optional<Vector2> t_E = tangent_at(s);
     if (!t_E) return std::nullopt;
-    const Vector2 ideal = pixel_of_tangent(on.believed, *t_E);
-    const std::optional<Vector2> panel = drawn_pixel(on.believed, on.lens, ideal);
+    const Vector2 pixel = pixel_of_tangent(on.believed, *t_E);
+    const std::optional<Vector2> panel = drawn_pixel(on.believed, on.lens, pixel);
     if (!panel) return std::nullopt;
-    const double next = on.line_fraction(*panel);
-    if (std::abs(next - s) <= 1e-14) return seen_pixel(on.eye, on.believed, on.lens, ideal);
-    s = next;
-  }
-  return std::nullopt;
+    return LitPlace<Vector2>{pixel, on.line_fraction(*panel)};
+  });
+  return ideal ? seen_pixel(on.eye, on.believed, on.lens, *ideal) : std::nullopt;
 }
 
 }  // namespace detail
 
-/// Where the eye sees a point of the world.
-[[nodiscard]] inline std::optional<Vector2> shown_point(const ShownPicture& picture, const ShownOn& on,
-                                                        const Vector3& p_W) {
+/// Where the eye sees a point of the world, or would if the picture that was drawn reached so far.
+[[nodiscard]] inline std::optional<Vector2> place_in_view(const ShownPicture& picture, const ShownOn& on,
+                                                          const Vector3& p_W) {
   const Vector3 p_S = picture.view.X_WS.inverse() * p_W;
   const std::optional<Vector2> t_S = tangents_of_point(p_S);
   if (!t_S) return std::nullopt;
@@ -81,6 +76,14 @@ template <typename TangentAt>
     return detail::seen_on_its_line(on, [&](double s) { return tangents_of_point(d.X_SE.at(s).inverse() * p_S); });
   }
   return detail::seen_on_its_line(on, [&](double s) { return d.H_SE.displayed_tangent(*t_S, s); });
+}
+
+/// Where the eye sees a point of the world.
+[[nodiscard]] inline std::optional<Vector2> shown_point(const ShownPicture& picture, const ShownOn& on,
+                                                        const Vector3& p_W) {
+  const std::optional<Vector2> t_S = tangents_of_point(picture.view.X_WS.inverse() * p_W);
+  const bool drawn = t_S && is_inside(picture.view, source_pixel_of_tangent(picture.view, *t_S));
+  return drawn ? place_in_view(picture, on, p_W) : std::nullopt;
 }
 
 namespace detail {

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include <holdfast/deflection/coverage.hpp>
+#include <holdfast/registration/fiducial_error.hpp>
 #include <holdfast/registration/scene_depth.hpp>
 #include <holdfast/registration/shown_point.hpp>
 
@@ -31,8 +32,7 @@ class ViewCoverageMeter {
     for (int row = 0; row < grid.height; ++row) {
       for (int column = 0; column < grid.width; ++column) {
         const Vector2 seen(size.width * (column + 0.5) / grid.width, size.height * (row + 0.5) / grid.height);
-        const std::optional<Vector2> panel =
-            on.lens == LensMode::none ? seen : drawn_pixel(on.eye, LensMode::exact, seen);
+        const std::optional<Vector2> panel = panel_pixel_seen(on.eye, on.lens, seen);
         if (!panel || !is_inside(on.eye, *panel)) continue;
         const std::optional<Vector2> ideal = ideal_pixel_at_panel(on.believed, on.lens, *panel);
         if (ideal) directions_.push_back({tangent_of_pixel(on.believed, *ideal), on.line_fraction(*panel)});

@@ -46,7 +46,7 @@ struct DepthUniforms {
     const auto turn = [](const Rigid& X) { return Homography::rotation(X.q()).matrix(); };
     const ScanMatrices H{turn(X_SE.begin()), turn(X_SE.middle()), turn(X_SE.end())};
     program.set(tangent_of_tangent, {H.begin, H.linear(), H.quadratic()});
-    program.set(position, std::array<Vector3, 2>{X_SE.begin().p(), Vector3(X_SE.end().p() - X_SE.begin().p())});
+    program.set(position, std::array<Vector3, 3>{X_SE.begin().p(), X_SE.moved_linear(), X_SE.moved_quadratic()});
     program.set(depth_of_tangent, surface.pixel_of_tangent());
     program.set(line_of_place, line_fraction_coefficients(timing));
   }

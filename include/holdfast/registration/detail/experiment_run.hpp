@@ -163,10 +163,10 @@ class ExperimentRun {
     record.X_WH_displayed = X_WH_drawn;
     if (how_.kind != DeflectionKind::none) {
       const LateHeadPoses late = late_poses(motion_, settings_, record.t_display);
-      shown.late = {late.X_WH_begin * believed_.X_HE, late.X_WH_end * believed_.X_HE};
+      shown.late = late.of_eye(believed_.X_HE);
       shown.t_late = late_time(settings_, record.t_display);
       shown.deflection = deflect(how_, shown.view, shown.late);
-      if (shown.is_deflected()) record.X_WH_displayed = displayed_pose(how_.kind, X_WH_drawn, late.middle());
+      if (shown.is_deflected()) record.X_WH_displayed = displayed_pose(how_.kind, X_WH_drawn, late.X_WH_middle);
     }
     record.X_WE_displayed = record.X_WH_displayed * believed_.X_HE;
   }

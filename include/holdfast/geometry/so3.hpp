@@ -85,14 +85,30 @@ template <typename Scalar>
   return k * v;
 }
 
+namespace detail {
+
+/// I + c phi^ + k phi^^2, by phi^^2 = phi phi^T - |phi|^2 I.
+template <typename Scalar>
+[[nodiscard]] MatrixOf<Scalar, 3> hat_polynomial(Scalar c, Scalar k, const VectorOf<Scalar, 3>& phi) {
+  const VectorOf<Scalar, 3> l = c * phi;
+  const VectorOf<Scalar, 3> s = k * phi;
+  const Scalar xx = s.x() * phi.x(), yy = s.y() * phi.y(), zz = s.z() * phi.z();
+  const Scalar xy = s.x() * phi.y(), xz = s.x() * phi.z(), yz = s.y() * phi.z();
+  MatrixOf<Scalar, 3> m;
+  m << Scalar(1) - (yy + zz), xy - l.z(), xz + l.y(),  //
+      xy + l.z(), Scalar(1) - (xx + zz), yz - l.x(),   //
+      xz - l.y(), yz + l.x(), Scalar(1) - (xx + yy);
+  return m;
+}
+
+}  // namespace detail
+
 /// J_left(phi): exp(phi + d) = exp(J_left d) exp(phi).
 template <typename Scalar>
 [[nodiscard]] MatrixOf<Scalar, 3> left_jacobian(const VectorOf<Scalar, 3>& phi) {
   const Scalar a2 = phi.squaredNorm();
-  const MatrixOf<Scalar, 3> h = hat(phi);
-  const MatrixOf<Scalar, 3> h2 = h * h;
-  return MatrixOf<Scalar, 3>::Identity() + detail::one_minus_cos_over_square(a2) * h +
-         detail::angle_minus_sin_over_cube(a2) * h2;
+  return detail::hat_polynomial<Scalar>(detail::one_minus_cos_over_square(a2), detail::angle_minus_sin_over_cube(a2),
+                                        phi);
 }
 
 /// J_right(phi) = J_left(-phi): exp(phi + d) = exp(phi) exp(J_right d).

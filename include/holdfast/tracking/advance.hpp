@@ -1,115 +1,258 @@
 /// The time update: carries a state and its covariance on to a later time (002 step a, eq. 4.14).
 ///
 ///   p + v dt + a dt^2 / 2,   R exp(w dt + alpha dt^2 / 2),   P <- F P F^T + Q
-/// with each axis's chain from process_model.hpp (eqs 4.5, 4.7 for PV). Small turns are about the body's axes, which turn
+/// with each axis's chain from chain_step.hpp (eqs 4.5, 4.7 for PV). Small turns are about the body's axes, which turn
 /// meanwhile: F carries dphi by exp(-w dt), and dw by the right Jacobian, so that the covariance is right at low rates too.
-/// Bad input: precondition t >= state.t.
+/// `state_transition` is F as a matrix, for those who need it; `advance` never forms it: by blocks of 6 (pose, velocity,
+/// acceleration), whose chains are diagonal, only dphi's rows and columns need 3x3 matrices (002 section 4.5.2).
+/// Numerics: P comes out exactly symmetric, and positive definite if it came in so: each variance is raised by
+/// `rounding_floor` of the terms that it was summed from, far more than rounding can take away.
+/// Bad input: precondition t >= state.t. A turn that is no finite number is refused: false, and the state stays.
 #pragma once
 
 #include <algorithm>
-#include <cmath>
+#include <array>
+#include <limits>
+#include <type_traits>
+#include <utility>
 
+#include <holdfast/assert.hpp>
+#include <holdfast/tracking/chain_step.hpp>
 #include <holdfast/tracking/process_model.hpp>
 #include <holdfast/tracking/target_state.hpp>
 
 namespace holdfast {
 
+/// Relative rise of every variance in each step of a filter. Rounding in 18 dimensions may take away about 1e-14 of it.
+inline constexpr double rounding_floor = 1e-12;
+
 namespace detail {
 
-/// A chain whose last number decays, in closed form: e = exp(-decay dt), u = decay dt.
+/// The six axes' chains over one step: entry (i, j) of each axis's A and Q, i <= j.
 template <int Order>
-[[nodiscard]] ChainStep<Order> decaying_chain_step(double intensity, double decay, double dt) {
-  // Response of the chain's numbers at time s to a unit kick of the last one; Q integrates its outer product.
-  const auto response = [&](double s) {
-    VectorOf<double, Order> r;
-    const double u = decay * s;
-    r[Order - 1] = std::exp(-u);
-    if constexpr (Order >= 2) r[Order - 2] = -std::expm1(-u) / decay;
-    if constexpr (Order >= 3) {
-      r[0] = (u < 1e-3 ? 0.5 * s * s * (1.0 - u / 3.0 * (1.0 - u / 4.0)) : (u + std::expm1(-u)) / (decay * decay));
+struct SixChains {
+  std::array<std::array<Vector6, Order>, Order> A;
+  std::array<std::array<Vector6, Order>, Order> Q;
+};
+
+template <int Order>
+[[nodiscard]] SixChains<Order> six_chains(const ProcessModel<Order>& model, double dt) {
+  SixChains<Order> chains;
+  const bool alike = (model.decay.array() == model.decay[0]).all();
+  for (int axis = 0; axis < 6; ++axis) {
+    const ChainStep<Order> unit = chain_step<Order>(1.0, model.decay[axis], dt);
+    for (std::size_t i = 0; i < Order; ++i) {
+      for (std::size_t j = i; j < Order; ++j) {
+        if (alike) {
+          chains.A[i][j].setConstant(unit.A(i, j));
+          chains.Q[i][j] = unit.Q(i, j) * model.intensity;
+        } else {
+          chains.A[i][j][axis] = unit.A(i, j);
+          chains.Q[i][j][axis] = unit.Q(i, j) * model.intensity[axis];
+        }
+      }
     }
-    return r;
-  };
-  ChainStep<Order> step;
-  for (int i = 0; i + 1 < Order; ++i) {
-    for (int j = i + 1; j + 1 < Order; ++j) step.A(i, j) = dt;
+    if (alike) break;
   }
-  step.A.col(Order - 1) = response(dt);
-  // Gauss and Legendre's five points on pieces of at most one decay time: exact to 1e-12 there.
-  static constexpr double nodes[5] = {-0.906179845938664, -0.538469310105683, 0.0, 0.538469310105683,
-                                      0.906179845938664};
-  static constexpr double weights[5] = {0.236926885056189, 0.478628670499366, 0.568888888888889, 0.478628670499366,
-                                        0.236926885056189};
-  const int pieces = static_cast<int>(std::min(64.0, std::ceil(decay * dt)));
-  const double width = dt / std::max(pieces, 1);
-  for (int piece = 0; piece < pieces; ++piece) {
-    for (int k = 0; k < 5; ++k) {
-      const VectorOf<double, Order> r = response((piece + 0.5 * (1.0 + nodes[k])) * width);
-      step.Q += 0.5 * width * weights[k] * intensity * r * r.transpose();
+  return chains;
+}
+
+/// How far the chains move the nominal state, whose pose counts from zero.
+template <int Order>
+[[nodiscard]] std::array<Vector6, Order> nominal_movement(const TargetState<Order>& state,
+                                                          const SixChains<Order>& chains) {
+  std::array<Vector6, Order> from{};
+  from[0].setZero();
+  if constexpr (Order >= 2) from[1] << state.velocity.v_WB, state.velocity.w_WB_B;
+  if constexpr (Order >= 3) from[2] << state.acceleration.a_WB, state.acceleration.alpha_WB_B;
+  std::array<Vector6, Order> to{};
+  for (std::size_t i = 0; i < Order; ++i) {
+    to[i].setZero();
+    for (std::size_t j = i; j < Order; ++j) to[i] += chains.A[i][j].cwiseProduct(from[j]);
+  }
+  return to;
+}
+
+/// What F does to dphi: E dphi + sum over j >= 1 of N[j] (the j-th derivative's turns).
+template <int Order>
+struct TurnTransition {
+  double turn_squared;
+  Matrix3 E;
+  std::array<Matrix3, Order> N;
+
+  TurnTransition(const Vector3& turn, const SixChains<Order>& chains) : turn_squared(turn.squaredNorm()) {
+    const double c = so3::detail::one_minus_cos_over_square(turn_squared);
+    const double k = so3::detail::angle_minus_sin_over_cube(turn_squared);
+    E = so3::detail::hat_polynomial<double>(turn_squared * k - 1.0, c, turn);  // exp(-turn)
+    const Matrix3 J = so3::detail::hat_polynomial<double>(-c, k, turn);        // its right Jacobian
+    for (std::size_t j = 1; j < Order; ++j) N[j] = J * chains.A[0][j].template tail<3>().asDiagonal();
+  }
+};
+
+/// What each variance after the step is summed from at most, were nothing to cancel: the scale of rounding errors.
+template <int Order>
+[[nodiscard]] VectorOf<double, 6 * Order> summed_variances(const MatrixOf<double, 6 * Order>& P,
+                                                           const SixChains<Order>& chains, double turn_squared) {
+  const VectorOf<double, 6 * Order> from = P.diagonal();
+  VectorOf<double, 6 * Order> to;
+  for (int i = 0; i < Order; ++i) {
+    Vector6 sum = chains.A[i][i].cwiseAbs2().cwiseProduct(from.template segment<6>(6 * i));
+    for (int j = i + 1; j < Order; ++j) sum += chains.A[i][j].cwiseAbs2().cwiseProduct(from.template segment<6>(6 * j));
+    to.template segment<6>(6 * i) = sum;
+  }
+  // What a turn brings from one axis to another.
+  to.template segment<3>(3).array() += std::min(1.0, turn_squared) * to.template segment<3>(3).sum();
+  return to;
+}
+
+/// Calls f(std::integral_constant<int, i>()) for i = 0 to Count - 1: a loop that is certainly unrolled.
+template <int Count, typename Function>
+void unrolled(const Function& f) {
+  [&]<int... i>(std::integer_sequence<int, i...>) {
+    (f(std::integral_constant<int, i>()), ...);
+  }
+  (std::make_integer_sequence<int, Count>());
+}
+
+/// The upper triangle of the first `Count` rows and columns takes the lower one's numbers.
+template <int Size, int Count = Size>
+void mirror_lower(MatrixOf<double, Size>& P) {
+  unrolled<Count>([&]<int j>(std::integral_constant<int, j>) {
+    P.row(j).template segment<Count - j - 1>(j + 1) = P.col(j).template segment<Count - j - 1>(j + 1).transpose();
+  });
+}
+
+/// Column k of dphi in P F^T.
+template <int Order>
+[[nodiscard]] VectorOf<double, 6 * Order> turned_column(const MatrixOf<double, 6 * Order>& P,
+                                                        const TurnTransition<Order>& turns, int k) {
+  const Vector3 e = turns.E.row(k).transpose();
+  VectorOf<double, 6 * Order> column;
+  if constexpr (Order == 1) {
+    column = P.template middleCols<3>(3).lazyProduct(e);
+  } else {
+    const Vector3 n1 = turns.N[1].row(k).transpose();
+    column = P.template middleCols<3>(3).lazyProduct(e) + P.template middleCols<3>(9).lazyProduct(n1);
+  }
+  if constexpr (Order == 3) {
+    const Vector3 n2 = turns.N[2].row(k).transpose();
+    column += P.template middleCols<3>(15).lazyProduct(n2);
+  }
+  return column;
+}
+
+/// The blocks of velocity and acceleration: these chains do not turn.
+template <int Order>
+void carry_derivatives(const MatrixOf<double, 6 * Order>& from, const SixChains<Order>& chains,
+                       MatrixOf<double, 6 * Order>& to) {
+  constexpr int rest = 6 * Order - 6;
+  MatrixOf<double, rest, 6 * Order> rows = to.template bottomRows<rest>();
+  rows.template rightCols<rest>() = from.template bottomRightCorner<rest, rest>();
+  const Vector6& kept = chains.A[Order - 1][Order - 1];
+  if constexpr (Order == 3) {
+    rows.template middleCols<6>(6) = rows.template middleCols<6>(6) * chains.A[1][1].asDiagonal() +
+                                     rows.template middleCols<6>(12) * chains.A[1][2].asDiagonal();
+  }
+  rows.template rightCols<6>() *= kept.asDiagonal();
+  if constexpr (Order == 3) {
+    to.template middleRows<6>(6) = chains.A[1][1].asDiagonal() * rows.template topRows<6>();
+    to.template middleRows<6>(6) += chains.A[1][2].asDiagonal() * rows.template bottomRows<6>();
+  }
+  to.template bottomRows<6>() = kept.asDiagonal() * rows.template bottomRows<6>();
+}
+
+/// The lower triangle of F P F^T + Q, and all of its block of the pose. F is upper triangular in blocks of 6, and but for
+/// the turns these are diagonal. Columns first, then those rows that are needed. `to` may be `from`.
+template <int Order>
+void carry_lower(const MatrixOf<double, 6 * Order>& from, const SixChains<Order>& chains,
+                 const TurnTransition<Order>& turns, MatrixOf<double, 6 * Order>& to) {
+  const VectorOf<double, 6 * Order> floor = rounding_floor * summed_variances<Order>(from, chains, turns.turn_squared);
+
+  const VectorOf<double, 6 * Order> turned[3] = {turned_column(from, turns, 0), turned_column(from, turns, 1),
+                                                 turned_column(from, turns, 2)};
+  for (int k = 0; k < 3; ++k) {
+    if constexpr (Order == 1) to.col(k) = from.col(k);
+    if constexpr (Order >= 2) to.col(k) = from.col(k) + chains.A[0][1][k] * from.col(6 + k);
+    if constexpr (Order == 3) to.col(k) += chains.A[0][2][k] * from.col(12 + k);
+    to.col(3 + k) = turned[k];
+  }
+
+  unrolled<3>([&]<int k>(std::integral_constant<int, k>) {
+    VectorOf<double, 3 - k> rows = turns.E.template bottomRows<3 - k>().lazyProduct(turned[k].template segment<3>(3));
+    for (int j = 1; j < Order; ++j) {
+      rows += turns.N[j].template bottomRows<3 - k>().lazyProduct(turned[k].template segment<3>(6 * j + 3));
     }
+    to.col(3 + k).template segment<3 - k>(3 + k) = rows;
+  });
+  for (int j = 1; j < Order; ++j) {
+    to.template block<3, 6>(0, 0) += chains.A[0][j].template head<3>().asDiagonal() * to.template block<3, 6>(6 * j, 0);
   }
-  return step;
+  to.template block<3, 3>(3, 0) = to.template block<3, 3>(0, 3).transpose();
+
+  if (Order == 3 || (Order == 2 && chains.A[1][Order - 1].minCoeff() < 1.0)) {
+    carry_derivatives<Order>(from, chains, to);
+  } else if constexpr (Order == 2) {
+    to.template bottomRightCorner<6, 6>() = from.template bottomRightCorner<6, 6>();
+  }
+
+  for (int i = 0; i < Order; ++i) {
+    for (int j = i; j < Order; ++j) to.template block<6, 6>(6 * j, 6 * i).diagonal() += chains.Q[i][j];
+  }
+  to.diagonal() += floor;
+  mirror_lower<6 * Order, 6>(to);
 }
 
 }  // namespace detail
 
-/// One axis's chain over dt >= 0 seconds.
+/// F of the error d (target_state.hpp) from state.t to t >= state.t.
 template <int Order>
-[[nodiscard]] ChainStep<Order> chain_step(double intensity, double decay, double dt) {
-  ChainStep<Order> step;
-  if (decay > 0.0) return detail::decaying_chain_step<Order>(intensity, decay, dt);
-  const double q = intensity * dt;
-  if constexpr (Order == 1) {
-    step.Q << q;
-  } else if constexpr (Order == 2) {
-    step.A << 1.0, dt, 0.0, 1.0;
-    step.Q << q * dt * dt / 3.0, q * dt / 2.0, q * dt / 2.0, q;
-  } else {
-    const double dt2 = dt * dt;
-    step.A << 1.0, dt, 0.5 * dt2, 0.0, 1.0, dt, 0.0, 0.0, 1.0;
-    step.Q << q * dt2 * dt2 / 20.0, q * dt2 * dt / 8.0, q * dt2 / 6.0,  //
-        q * dt2 * dt / 8.0, q * dt2 / 3.0, q * dt / 2.0,                //
-        q * dt2 / 6.0, q * dt / 2.0, q;
+[[nodiscard]] typename TargetState<Order>::Covariance state_transition(const TargetState<Order>& state,
+                                                                       const ProcessModel<Order>& model, HostTime t) {
+  const detail::SixChains<Order> chains = detail::six_chains(model, to_seconds(t - state.t));
+  const detail::TurnTransition<Order> turns(detail::nominal_movement(state, chains)[0].template tail<3>(), chains);
+  typename TargetState<Order>::Covariance F = TargetState<Order>::Covariance::Zero();
+  for (int i = 0; i < Order; ++i) {
+    for (int j = i; j < Order; ++j) F.template block<6, 6>(6 * i, 6 * j).diagonal() = chains.A[i][j];
   }
-  return step;
+  F.template block<3, 3>(3, 3) = turns.E;
+  for (int j = 1; j < Order; ++j) F.template block<3, 3>(3, 6 * j + 3) = turns.N[j];
+  return F;
 }
 
-template <int Order>
-void advance(TargetState<Order>& state, const ProcessModel<Order>& model, HostTime t) {
-  const double dt = to_seconds(t - state.t);
-  HOLDFAST_ASSERT(dt >= 0.0, "a state is carried forward only");
-  using Covariance = typename TargetState<Order>::Covariance;
-  Covariance F = Covariance::Identity();
-  Covariance Q = Covariance::Zero();
-  for (int axis = 0; axis < 6; ++axis) {
-    const ChainStep<Order> step = chain_step<Order>(model.intensity[axis], model.decay[axis], dt);
-    for (int i = 0; i < Order; ++i) {
-      for (int j = 0; j < Order; ++j) {
-        F(axis + 6 * i, axis + 6 * j) = step.A(i, j);
-        Q(axis + 6 * i, axis + 6 * j) = step.Q(i, j);
-      }
-    }
-  }
-  typename TargetState<Order>::Error movement = TargetState<Order>::Error::Zero();  // by the chains, from rest at zero
-  if constexpr (Order >= 2) movement.template segment<6>(6) << state.velocity.v_WB, state.velocity.w_WB_B;
-  if constexpr (Order >= 3) movement.template segment<6>(12) << state.acceleration.a_WB, state.acceleration.alpha_WB_B;
-  movement = F * movement;
-  const Vector3 turn = movement.template segment<3>(3);
-  F.template middleRows<3>(3) = so3::right_jacobian<double>(turn) * F.template middleRows<3>(3);
-  F.template block<3, 3>(3, 3) = so3::exp<double>(-turn).toRotationMatrix();
+namespace detail {
 
-  state.P = F * state.P * F.transpose() + Q;
-  state.P = (0.5 * (state.P + state.P.transpose())).eval();
-  state.X_WB = Rigid(state.X_WB.q() * so3::exp<double>(turn), state.X_WB.p() + movement.template head<3>());
+/// `advance` from one state to another (which may be the same), but for the upper triangle of P beyond the pose's block:
+/// for those who correct it next (innovation.hpp), which fills it in.
+template <int Order>
+bool advance_lower(const TargetState<Order>& from, const ProcessModel<Order>& model, HostTime t,
+                   TargetState<Order>& to) {
+  HOLDFAST_ASSERT(t >= from.t, "a state is carried forward only");
+  const SixChains<Order> chains = six_chains(model, to_seconds(t - from.t));
+  const std::array<Vector6, Order> movement = nominal_movement(from, chains);
+  const Vector3 turn = movement[0].template tail<3>();
+  if (!(turn.squaredNorm() < std::numeric_limits<double>::max())) return false;
+  carry_lower<Order>(from.P, chains, TurnTransition<Order>(turn, chains), to.P);
+  to.X_WB = Rigid(from.X_WB.q() * so3::exp<double>(turn), from.X_WB.p() + movement[0].template head<3>());
   if constexpr (Order >= 2) {
-    state.velocity.v_WB = movement.template segment<3>(6);
-    state.velocity.w_WB_B = movement.template segment<3>(9);
+    to.velocity.v_WB = movement[1].template head<3>();
+    to.velocity.w_WB_B = movement[1].template tail<3>();
   }
   if constexpr (Order >= 3) {
-    state.acceleration.a_WB = movement.template segment<3>(12);
-    state.acceleration.alpha_WB_B = movement.template segment<3>(15);
+    to.acceleration.a_WB = movement[2].template head<3>();
+    to.acceleration.alpha_WB_B = movement[2].template tail<3>();
   }
-  state.t = t;
+  to.t = t;
+  return true;
+}
+
+}  // namespace detail
+
+template <int Order>
+bool advance(TargetState<Order>& state, const ProcessModel<Order>& model, HostTime t) {
+  if (t == state.t) return true;
+  if (!detail::advance_lower(state, model, t, state)) return false;
+  detail::mirror_lower<6 * Order>(state.P);
+  return true;
 }
 
 }  // namespace holdfast

@@ -5,18 +5,27 @@
 /// With y the residual, S its covariance, C the covariance of the error with the predicted measurement:
 ///   S = H P H^T + H_b P_b H_b^T + H_c P_c H_c^T + R,   C = P H^T,   K = C S^-1,   d = K y,   P <- P - K S K^T,
 /// and alike for each device with C_b = P_b H_b^T. Errors of the target and of devices are taken for uncorrelated, as in
-/// 002 eq. 4.25: what the augmented filter would learn of their correlation is dropped after each step.
-/// An unscented filter differs only in how y, S and C are found (unscented_innovation.hpp).
-/// Numerics: P stays exactly symmetric. S is refused when it has no positive inverse.
-/// Bad input: nothing is answered when the state cannot give such a measurement, or a number is not finite; `correct`
-/// then has nothing to work on, and state and devices stay as they were.
+/// 002 eq. 4.25: what the augmented filter would learn of their correlation is dropped after each step. A device's
+/// residual_variance is part of P_b in S, but not in C_b.
+/// An unscented filter differs only in how y, S and C are found (unscented_innovation.hpp): it fills them and calls
+/// `factorise`.
+///
+/// Numerics: with S = L L^T and G = C L^-T, found by substitution, P loses G G^T. The computed P, C and S belong to a
+/// covariance of state and measurement together that is off by rounding, about 1e-14 of the terms that were summed; so
+/// each variance in P and S is raised by 1e-12 of those (rounding_floor). What is left of P is then a Schur complement of
+/// something positive definite: P stays positive definite, and it is exactly symmetric, whatever is measured, in any
+/// order, however exact it claims to be.
+/// Bad input: nothing is answered when the state cannot give such a measurement, a number is not finite, or R is no
+/// covariance; `correct` then has nothing to work on, and state and devices stay as they were.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
+#include <utility>
 
-#include <Eigen/Cholesky>
-
+#include <holdfast/tracking/advance.hpp>
 #include <holdfast/tracking/device_estimate.hpp>
 #include <holdfast/tracking/measurement.hpp>
 
@@ -24,53 +33,108 @@ namespace holdfast {
 
 namespace detail {
 
-/// S^-1 of a symmetric positive definite S, in closed form for sizes 1 and 2; false when it is none.
+/// Lower L with L L^T = S, from S's lower triangle; false when S is not positive definite. Zeros above the diagonal.
 template <int Size>
-[[nodiscard]] bool invert_positive(const MatrixOf<double, Size>& S, MatrixOf<double, Size>& S_inverse) {
-  if constexpr (Size == 1) {
-    if (!(S(0, 0) > 0.0)) return false;
-    S_inverse(0, 0) = 1.0 / S(0, 0);
-  } else if constexpr (Size == 2) {
-    const double determinant = S(0, 0) * S(1, 1) - S(1, 0) * S(1, 0);
-    if (!(S(0, 0) > 0.0 && determinant > 0.0)) return false;
-    const double k = 1.0 / determinant;
-    S_inverse << k * S(1, 1), -k * S(1, 0), -k * S(1, 0), k * S(0, 0);
-  } else {
-    const Eigen::LLT<MatrixOf<double, Size>> cholesky(S);
-    if (cholesky.info() != Eigen::Success) return false;
-    S_inverse = cholesky.solve(MatrixOf<double, Size>::Identity());
-  }
-  return S_inverse.allFinite();
-}
-
-/// P - C S^-1 C^T, exactly symmetric.
-template <int Rows, int Size>
-void downdate(MatrixOf<double, Rows>& P, const MatrixOf<double, Rows, Size>& C,
-              const MatrixOf<double, Size>& S_inverse) {
-  const MatrixOf<double, Rows, Size> K = C * S_inverse;
-  for (int j = 0; j < Rows; ++j) {
-    for (int i = j; i < Rows; ++i) {
-      double sum = 0.0;
-      for (int k = 0; k < Size; ++k) sum += K(i, k) * C(j, k);
-      P(i, j) -= sum;
-      P(j, i) = P(i, j);
+[[nodiscard]] bool cholesky(const MatrixOf<double, Size>& S, MatrixOf<double, Size>& L) {
+  for (int j = 0; j < Size; ++j) {
+    double pivot = S(j, j);
+    for (int k = 0; k < j; ++k) pivot -= L(j, k) * L(j, k);
+    if (!(pivot > 0.0 && pivot < std::numeric_limits<double>::max())) return false;
+    L(j, j) = std::sqrt(pivot);
+    for (int i = j + 1; i < Size; ++i) {
+      double sum = S(i, j);
+      for (int k = 0; k < j; ++k) sum -= L(i, k) * L(j, k);
+      L(i, j) = sum / L(j, j);
+      L(j, i) = 0.0;
     }
   }
+  return true;
+}
+
+/// X L^-T, each row by forward substitution.
+template <int Rows, int Size>
+[[nodiscard]] MatrixOf<double, Rows, Size> substituted(const MatrixOf<double, Rows, Size>& X,
+                                                       const MatrixOf<double, Size>& L) {
+  MatrixOf<double, Rows, Size> G;
+  for (int k = 0; k < Size; ++k) {
+    G.col(k) = X.col(k);
+    for (int j = 0; j < k; ++j) G.col(k) -= L(k, j) * G.col(j);
+    G.col(k) *= 1.0 / L(k, k);
+  }
+  return G;
+}
+
+/// P - G G^T with the floor, from P's lower triangle, exactly symmetric.
+template <int Rows, int Size>
+void downdate(MatrixOf<double, Rows>& P, const MatrixOf<double, Rows, Size>& G) {
+  P.diagonal() *= 1.0 + rounding_floor;
+  unrolled<Rows>([&]<int j>(std::integral_constant<int, j>) {
+    constexpr int height = Rows - j / 2 * 2;  // pairs of rows
+    const VectorOf<double, Size> g = G.row(j).transpose();
+    P.col(j).template tail<height>() -= G.template bottomRows<height>().lazyProduct(g);
+  });
+  mirror_lower<Rows>(P);
+}
+
+/// Whether R may be a covariance: no variance below zero, no covariance above what variances allow.
+template <int Size>
+[[nodiscard]] bool is_noise(const MatrixOf<double, Size>& R) {
+  bool coupled = false;
+  for (int i = 0; i < Size; ++i) {
+    if (!(R(i, i) >= 0.0)) return false;
+    for (int j = 0; j < i; ++j) {
+      if (!(R(i, j) * R(i, j) <= R(i, i) * R(j, j))) return false;
+      coupled = coupled || R(i, j) != 0.0;
+    }
+  }
+  if (Size <= 2 || !coupled) return true;
+  MatrixOf<double, Size> raised = R;  // may be singular: by a little more than rounding
+  for (int i = 0; i < Size; ++i) raised(i, i) = R(i, i) > 0.0 ? R(i, i) * (1.0 + rounding_floor) : 1.0;
+  MatrixOf<double, Size> L;
+  return cholesky<Size>(raised, L);
+}
+
+/// Adds H C, where C = P H^T, to S; and the floor of what its diagonal is summed from.
+template <int Size, typename Jacobian, typename Covariances, typename Variances>
+void add_to_innovation(MatrixOf<double, Size>& S, const Jacobian& H, const Covariances& C, const Variances& variances) {
+  S += H.lazyProduct(C);
+  S.diagonal() += rounding_floor * H.cwiseAbs2().lazyProduct(variances);
 }
 
 }  // namespace detail
 
 template <int Order, typename M>
 struct Innovation {
-  VectorOf<double, M::size> residual;  ///< y
-  MatrixOf<double, M::size> S;         ///< covariance of y
-  MatrixOf<double, M::size> S_inverse;
+  VectorOf<double, M::size> residual;      ///< y
+  MatrixOf<double, M::size> S;             ///< covariance of y
+  MatrixOf<double, M::size> L;             ///< its Cholesky factor, by `factorise`
   MatrixOf<double, 6 * Order, M::size> C;  ///< covariance of the target's error with the measurement
   MatrixOf<double, M::source_size, M::size> C_source;
   MatrixOf<double, M::sensor_size, M::size> C_sensor;
 
+  Innovation() {}  // numbers are filled in, not zeroed first
+
+  /// Makes L of S's lower triangle, and S symmetric; false when S is no covariance or the residual not finite.
+  [[nodiscard]] bool factorise() {
+    if (!detail::cholesky<M::size>(S, L)) return false;
+    for (int j = 0; j < M::size; ++j) {
+      for (int i = j + 1; i < M::size; ++i) S(j, i) = S(i, j);
+    }
+    return nis() < std::numeric_limits<double>::max();
+  }
+
+  /// L^-1 y: independent, each of variance 1 when all is as modelled.
+  [[nodiscard]] VectorOf<double, M::size> whitened() const {
+    return detail::substituted<1, M::size>(residual.transpose(), L).transpose();
+  }
+
   /// Normalised innovation squared, y^T S^-1 y: chi-square with `size` degrees of freedom when all is as modelled.
-  [[nodiscard]] double nis() const { return residual.dot(S_inverse * residual); }
+  [[nodiscard]] double nis() const { return whitened().squaredNorm(); }
+
+  /// Logarithm of the measurement's probability density at what was measured.
+  [[nodiscard]] double log_likelihood() const {
+    return -0.5 * (nis() + M::size * std::log(2.0 * std::numbers::pi)) - L.diagonal().array().log().sum();
+  }
 };
 
 template <int Order, Measurement M>
@@ -78,44 +142,59 @@ template <int Order, Measurement M>
     const TargetState<Order>& state, const M& measurement, const DeviceEstimate<M::source_size>& source,
     const DeviceEstimate<M::sensor_size>& sensor = {}) {
   static_assert(M::state_size <= 6 * Order, "the filter keeps too few derivatives for this measurement");
+  std::optional<Innovation<Order, M>> answer;
   Linearization<M> linear;
-  if (!measurement.linearize(state, source.x, sensor.x, linear)) return std::nullopt;
-  Innovation<Order, M> innovation;
+  if (!measurement.linearize(state, source.x, sensor.x, linear)) return answer;
+  if (!detail::is_noise<M::size>(linear.R)) return answer;
+  Innovation<Order, M>& innovation = answer.emplace();
   innovation.residual = linear.residual;
-  innovation.C.noalias() = state.P.template leftCols<M::state_size>() * linear.H.transpose();
   innovation.S = linear.R;
-  innovation.S.noalias() += linear.H * innovation.C.template topRows<M::state_size>();
-  if constexpr (M::source_size > 0) {
-    innovation.C_source.noalias() = source.P * linear.H_source.transpose();
-    innovation.S.noalias() += linear.H_source * innovation.C_source;
-  }
-  if constexpr (M::sensor_size > 0) {
-    innovation.C_sensor.noalias() = sensor.P * linear.H_sensor.transpose();
-    innovation.S.noalias() += linear.H_sensor * innovation.C_sensor;
-  }
-  if (!detail::invert_positive<M::size>(innovation.S, innovation.S_inverse)) return std::nullopt;
-  if (!innovation.residual.allFinite()) return std::nullopt;
-  return innovation;
+  detail::unrolled<M::size>([&]<int k>(std::integral_constant<int, k>) {
+    const VectorOf<double, M::state_size> h = linear.H.row(k).transpose();
+    innovation.C.col(k) = state.P.template leftCols<M::state_size>().lazyProduct(h);
+  });
+  detail::add_to_innovation(innovation.S, linear.H, innovation.C.template topRows<M::state_size>(),
+                            state.P.diagonal().template head<M::state_size>());
+  const auto add_device = [&](const auto& device, const auto& H, auto& C) {
+    constexpr int size = std::decay_t<decltype(device)>::size;
+    if constexpr (size > 0) {
+      C.noalias() = device.P * H.transpose();
+      const VectorOf<double, size> residual_variance = device.residual_variance;
+      const MatrixOf<double, size, M::size> C_with_rest = C + residual_variance.asDiagonal() * H.transpose();
+      detail::add_to_innovation(innovation.S, H, C_with_rest, device.P.diagonal());
+    }
+  };
+  add_device(source, linear.H_source, innovation.C_source);
+  add_device(sensor, linear.H_sensor, innovation.C_sensor);
+  if (!innovation.factorise()) answer.reset();
+  return answer;
 }
 
-/// Corrects the state, and the devices that are not locked. Devices of size 0 are left alone.
+/// Corrects the state, and the devices that are not locked. Devices of size 0 are left alone. False, and nothing is
+/// changed, when a correction is so large that numbers would soon overflow: `largest_correction` in the state's units.
+inline constexpr double largest_correction = 1e12;
+
 template <int Order, typename M>
-void correct(TargetState<Order>& state, const Innovation<Order, M>& innovation, DeviceEstimate<M::source_size>& source,
+bool correct(TargetState<Order>& state, const Innovation<Order, M>& innovation, DeviceEstimate<M::source_size>& source,
              DeviceEstimate<M::sensor_size>& sensor) {
-  const VectorOf<double, M::size> weighted = innovation.S_inverse * innovation.residual;
-  const typename TargetState<Order>::Error d = innovation.C * weighted;
-  detail::downdate<6 * Order, M::size>(state.P, innovation.C, innovation.S_inverse);
+  const MatrixOf<double, 6 * Order, M::size> G = detail::substituted<6 * Order, M::size>(innovation.C, innovation.L);
+  const VectorOf<double, M::size> whitened = innovation.whitened();
+  const typename TargetState<Order>::Error d = G * whitened;
+  if (!(d.squaredNorm() < largest_correction * largest_correction)) return false;
+  detail::downdate<6 * Order, M::size>(state.P, G);
   state.add(d);
   const auto correct_device = [&](auto& device, const auto& C) {
     constexpr int size = std::decay_t<decltype(device)>::size;
     if constexpr (size > 0) {
       if (device.locked) return;
-      device.x.noalias() += C * weighted;
-      detail::downdate<size, M::size>(device.P, C, innovation.S_inverse);
+      const MatrixOf<double, size, M::size> G_device = detail::substituted<size, M::size>(C, innovation.L);
+      device.x.noalias() += G_device * whitened;
+      detail::downdate<size, M::size>(device.P, G_device);
     }
   };
   correct_device(source, innovation.C_source);
   correct_device(sensor, innovation.C_sensor);
+  return true;
 }
 
 }  // namespace holdfast

@@ -8,15 +8,13 @@
 /// the last number of a chain gathers the variance mu dt. `decay` (1/s) lets the last number fade: 0 is 002's PV, or
 /// PVA; above 0 a damped PV, or Singer's model (Singer 1970). A chain of order 1 has none.
 /// Positions, and their noise, are in W; turns and angular velocities are B's own: intensities that differ among x, y, z
-/// tie the model to the world's axes.
+/// tie the model to the world's axes. What a chain does in a time step: chain_step.hpp.
 /// Bad input: `problem` names it; a step backwards in time is the caller's to refuse.
 #pragma once
 
-#include <cmath>
 #include <optional>
 #include <string_view>
 
-#include <holdfast/assert.hpp>
 #include <holdfast/geometry/types.hpp>
 
 namespace holdfast {
@@ -45,12 +43,5 @@ struct ProcessModel {
 
 using PvModel = ProcessModel<2>;
 using PvaModel = ProcessModel<3>;
-
-/// One axis's chain over a step dt: x(t + dt) = A x(t) + noise of covariance Q.
-template <int Order>
-struct ChainStep {
-  MatrixOf<double, Order> A = MatrixOf<double, Order>::Identity();
-  MatrixOf<double, Order> Q = MatrixOf<double, Order>::Zero();
-};
 
 }  // namespace holdfast

@@ -72,7 +72,7 @@ class PolarMesher {
   }
 
   [[nodiscard]] MeshDraft draft() && { return std::move(draft_); }
-  [[nodiscard]] double worst_px() const { return worst_ * margin * bend_.px / 8.0; }
+  [[nodiscard]] double worst_px() const { return worst_px_; }
 
  private:
   static constexpr double margin = 1.02;  ///< for the table's steps, and rounding to float
@@ -112,12 +112,24 @@ class PolarMesher {
   [[nodiscard]] static double apart_at(double radius, std::size_t sectors) {
     return sectors == 0 ? 0.0 : 2.0 * std::numbers::pi * radius / static_cast<double>(sectors);
   }
+  /// Rings and their vertices need not be closer than 1/32 px, in the lens's unit.
+  [[nodiscard]] double shortest() const { return 1.0 / (32.0 * bend_.px); }
   [[nodiscard]] double last_radius() const {
     return std::isfinite(bend_.end_radius) ? stops_.back().radius : std::numeric_limits<double>::infinity();
   }
 
   [[nodiscard]] RadialBend::Bend bend_between(double low, double high) const {
     return bend_.between(low * low, high * high);
+  }
+  /// The same for triangles between two rings: at its ends a chord of a ring is not square to the radius.
+  [[nodiscard]] RadialBend::Bend bend_between(const Ring& inner, const Ring& outer) const {
+    RadialBend::Bend bend = bend_between(inner.radius, outer.radius);
+    const double turned = apart(inner, outer) / (2.0 * outer.radius);
+    bend.across += bend.along * turned * turned;
+    return bend;
+  }
+  [[nodiscard]] static double apart(const Ring& inner, const Ring& outer) {
+    return std::max(inner.apart(), outer.apart());
   }
 
   /// From the centre to the end of the domain or beyond the panel.
@@ -140,14 +152,13 @@ class PolarMesher {
       const bool is_stop = step >= to_stop;
       outer.radius = is_stop ? stop->radius : inner.radius + step;
       outer.step = step;
-      const RadialBend::Bend bend = bend_between(inner.radius, outer.radius);
       // What the next rings need across, too.
       const RadialBend::Bend about = bend_between(inner.radius, outer.radius + 2.0 * step);
       outer.sectors = sectors(outer.radius, about.across, is_stop ? stop->largest_apart2 : 0.0);
-      const double apart = std::max(inner.apart(), outer.apart());
-      const double found = missed(bend, step, apart);
-      if (found <= room_ || step < 1e-6 * bend_.widest) return outer;
-      const double largest = largest_step(bend, apart);
+      const RadialBend::Bend bend = bend_between(inner, outer);
+      const double found = missed(bend, step, apart(inner, outer));
+      if (found <= room_ || step < shortest()) return outer;
+      const double largest = largest_step(bend, apart(inner, outer));
       step = largest > 0.0 ? std::min(0.98 * largest, 0.9 * step) : 0.7 * step;
     }
   }
@@ -155,7 +166,8 @@ class PolarMesher {
   [[nodiscard]] std::size_t sectors(double radius, double across, double largest_apart2) const {
     double apart2 = share_across * room_ / std::max(across, 1e-12);
     if (largest_apart2 > 0.0) apart2 = std::min(apart2, largest_apart2);
-    constexpr double fewest = 6.0;
+    apart2 = std::max(apart2, shortest() * shortest());
+    constexpr double fewest = 8.0;
     return static_cast<std::size_t>(std::max(fewest, std::ceil(2.0 * std::numbers::pi * radius / std::sqrt(apart2))));
   }
 
@@ -204,8 +216,7 @@ class PolarMesher {
   }
 
   void join(const Ring& inner, const Nodes& in, const Ring& outer, const Nodes& out) {
-    worst_ = std::max(
-        worst_, missed(bend_between(inner.radius, outer.radius), outer.step, std::max(inner.apart(), outer.apart())));
+    note_error(inner, outer);
     const std::size_t n = inner.sectors, m = outer.sectors;
     const std::array<Arc, 5> hidden = hidden_arcs(inner);
     std::size_t next = 0;  // of the hidden ones
@@ -225,6 +236,25 @@ class PolarMesher {
         ++j;
       }
     }
+  }
+
+  /// Near a pole, where the table is coarse, what is found halfway between the rings is more.
+  void note_error(const Ring& inner, const Ring& outer) {
+    const double bound = missed(bend_between(inner, outer), outer.step, apart(inner, outer)) * bend_.px / 8.0;
+    std::array<Vector2, 3> at;
+    const double step = std::min(outer.radius, bend_.widest) - inner.radius;  // what is beyond the panel is cut off
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double radius = inner.radius + 0.5 * static_cast<double>(i) * step;
+      at[i] = bend_.place.centre + Vector2(bend_.place.scale.x() * radius, 0.0);
+    }
+    std::array<PanelLook, 3> seen;
+    looker_.map().look(at, seen.data());
+    double found = 0.0;
+    for (std::size_t c = 0; seen[2].inside && c < looker_.colours(); ++c) {
+      const Vector2 off = (seen[0].ideal[c] + seen[2].ideal[c]) / 2.0 - seen[1].ideal[c];
+      found = std::max(found, off.cwiseProduct(looker_.px_per_tangent()).norm());
+    }
+    worst_px_ = std::max(worst_px_, margin * std::max(bound, found));
   }
 
   /// Nodes first to last of a ring.
@@ -318,7 +348,7 @@ class PolarMesher {
   Vector2 origin_, unit_;  ///< the lens's centre and unit, in units of the panel's lattice
   std::vector<Stop> stops_;
   MeshDraft draft_;
-  double worst_ = 0.0;
+  double worst_px_ = 0.0;
   std::unordered_map<std::uint64_t, std::uint32_t> on_edge_;
   std::vector<Node> polygon_, cut_;
 };

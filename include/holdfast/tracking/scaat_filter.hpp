@@ -133,7 +133,7 @@ class ScaatFilter {
   /// Begins anew at a state, as after losing track. Counters go on.
   void restart(const State& start) {
     HOLDFAST_ASSERT(start.is_finite(), "a filter starts from finite numbers");
-    state() = start;
+    states_[current_] = start;
     gate_ = InnovationGate(settings_.gate);
   }
 
@@ -168,8 +168,6 @@ class ScaatFilter {
   void set_model(const ProcessModel<Order>& model) { model_ = model; }
 
  private:
-  [[nodiscard]] State& state() { return states_[current_]; }
-
   template <Measurement M>
   UpdateStatus try_update(HostTime t, const M& measurement, const DeviceSlot<M::source_size>& source,
                           const DeviceSlot<M::sensor_size>& sensor) {

@@ -87,10 +87,22 @@ function touchModel(showAt, clear) {
   };
 }
 
-/** A logarithm has no zero: what is smaller than a ten-thousandth of the largest is drawn at that. */
+/** Each curve's median, of those that are more than rounding. */
+function medians(chart) {
+  return chart.series.map((series, i) => {
+    const ys = chart.rows.map((row) => row[i + 1]).filter((y) => Number.isFinite(y)).sort((a, b) => a - b);
+    return ys.length ? ys[ys.length >> 1] : 0;
+  }).filter((median) => median > 1e-6);
+}
+
+/** Whether curves differ so much that the small ones would lie on the axis. */
+const differsByDecades = (chart) => Math.max(...medians(chart)) > 20 * Math.min(...medians(chart));
+
+/** A logarithm has no zero: what is smaller than a tenth of the lowest curve's median, or than a ten-thousandth of all, is drawn at that. */
 function forLog(chart) {
-  const most = Math.max(...chart.rows.flatMap((row) => row.slice(1)).filter((y) => Number.isFinite(y)), 1e-9);
-  return chart.rows.map(([x, ...ys]) => [x, ...ys.map((y) => (Number.isFinite(y) ? Math.max(y, 1e-4 * most) : y))]);
+  const most = chart.rows.reduce((m, row) => row.slice(1).reduce((n, y) => (y > n ? y : n), m), 1e-9);
+  const least = Math.max(1e-4 * most, 0.1 * Math.min(...medians(chart), most));
+  return chart.rows.map(([x, ...ys]) => [x, ...ys.map((y) => (Number.isFinite(y) ? Math.max(y, least) : y))]);
 }
 
 function chartOptions(chart, legend, reset) {
@@ -132,7 +144,8 @@ function chartOptions(chart, legend, reset) {
 
 function drawChart(chart, parent) {
   const reset = el("button", { type: "button", hidden: "" }, "Reset zoom");
-  const log = chart.logToggle ? el("button", { type: "button", "aria-pressed": "false", title: "What is small beside the largest shows on a logarithmic scale" }, "Log scale") : null;
+  chart.logarithmic ??= Boolean(chart.logToggle) && differsByDecades(chart);
+  const log = chart.logToggle ? el("button", { type: "button", "aria-pressed": String(chart.logarithmic), title: "What is small beside the largest shows on a logarithmic scale" }, "Log scale") : null;
   const legend = el("div.legend", { "aria-live": "off" });
   const plot = el("div.plot", { role: "img", "aria-label": `${chart.title}: ${chart.caption}` });
   const caption = el("figcaption", {}, chart.caption);
@@ -140,7 +153,7 @@ function drawChart(chart, parent) {
     el("header", {}, el("h3", {}, chart.title), el("span.buttons", {}, reset, log)), legend, plot, caption);
   parent.append(box);
   fillLegend(legend, chart, null);
-  const graph = new Dygraph(plot, chart.rows, chartOptions(chart, legend, reset));
+  const graph = new Dygraph(plot, chart.logarithmic ? forLog(chart) : chart.rows, chartOptions(chart, legend, reset));
   graph.updateOptions({ interactionModel: matchMedia("(pointer: coarse)").matches
     ? touchModel((touch) => graph.mouseMove_(touch), () => { graph.clearSelection(); fillLegend(legend, chart, null); })
     : Dygraph.defaultInteractionModel });
@@ -175,12 +188,12 @@ matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
 // ---- pictures ----------------------------------------------------------------------------------------------------------------
 
 /** Arrows (from where the real disc is to where its virtual twin is drawn), in picture pixels with y downward. */
-function arrowLayer(picture) {
+function arrowLayer(picture, zoom) {
   const ns = "http://www.w3.org/2000/svg";
   const svg = document.createElementNS(ns, "svg");
   svg.setAttribute("viewBox", `0 0 ${picture.width} ${picture.height}`);
   svg.setAttribute("aria-hidden", "true");
-  const unit = picture.width / 320;
+  const unit = picture.width / 320 / zoom;
   for (const [x0, y0, x1, y1] of picture.arrows || []) {
     const length = Math.hypot(x1 - x0, y1 - y0);
     const dot = document.createElementNS(ns, "circle");
@@ -198,33 +211,46 @@ function arrowLayer(picture) {
   return svg;
 }
 
-function pictureButton(picture, alt, caption) {
-  const button = el("button.picture", { type: "button", "aria-label": `Enlarge: ${alt}`, onclick: () => enlarge(picture, alt, caption) },
-    el("img", { src: picture.src, alt, width: picture.width, height: picture.height }), picture.arrows ? arrowLayer(picture) : null);
-  return button;
+/** The picture with its arrows; `close`, {zoom, middle}, magnifies the surroundings of a place. */
+function pictureLayers(picture, alt, close) {
+  const layers = el("span.layers", {}, el("img", { src: picture.src, alt, width: picture.width, height: picture.height }),
+    picture.arrows ? arrowLayer(picture, close ? close.zoom : 1) : null);
+  if (close) {
+    const [x, y] = [100 * close.middle[0] / picture.width, 100 * close.middle[1] / picture.height];
+    layers.style.transformOrigin = `${x}% ${y}%`;
+    layers.style.transform = `translate(${50 - x}%, ${50 - y}%) scale(${close.zoom})`;
+  }
+  return layers;
 }
 
-function enlarge(picture, alt, caption) {
+function pictureButton(picture, alt, caption, close) {
+  return el("button.picture", { type: "button", "aria-label": `Enlarge: ${alt}`, onclick: () => enlarge(picture, alt, caption, close) },
+    pictureLayers(picture, alt, close));
+}
+
+function enlarge(picture, alt, caption, closeUp) {
   const box = document.getElementById("lightbox");
   const close = () => box.close();
   box.firstElementChild.replaceChildren(
-    el("button.picture", { type: "button", "aria-label": "Close", onclick: close },
-      el("img", { src: picture.src, alt }), picture.arrows ? arrowLayer(picture) : null),
+    el("button.picture", { type: "button", "aria-label": "Close", onclick: close }, pictureLayers(picture, alt, closeUp)),
     el("figcaption", {}, caption || alt));
   box.onclick = (event) => { if (event.target === box) close(); };
   box.showModal();
 }
 
-const sheetModes = { detail: "Detail", whole: "Whole view", alone: "Virtual alone" };
+const sheetModes = { close: "Close-up", detail: "Detail", whole: "Whole view", alone: "Virtual alone" };
 
 function contactSheet(sheet, parent) {
   const head = el("tr", {}, el("th"), ...sheet.times_s.map((t) => el("th", {}, tick(t) + "\u00a0s")));
   const body = el("tbody");
   const tabs = el("div.tabs.small", { role: "group", "aria-label": "What the sheet shows" });
   const cell = (row, mode, i) => {
-    const picture = row[mode][i] || row.whole[i];
+    const detail = mode === "close" ? row.detail[i] : null;
+    const picture = detail || (row[mode] || row.detail)[i] || row.whole[i];
     const moment = `${row.label} at ${tick(sheet.times_s[i])} s`;
-    return el("td", {}, pictureButton(picture, moment, `${row.label}${row.note ? ", " + row.note : ""}, ${tick(sheet.times_s[i])} s. ${picture.caption || ""}`));
+    const error = row.rms_px[i];
+    return el("td", {}, pictureButton(picture, moment, `${row.label}${row.note ? ", " + row.note : ""}, ${tick(sheet.times_s[i])} s. ${picture.caption || ""}`,
+      detail ? { zoom: 4, middle: sheet.middles[i] } : null), error === undefined ? null : el("small", {}, number(error, "px")));
   };
   const show = (mode) => {
     for (const tab of tabs.children) tab.setAttribute("aria-pressed", String(tab.dataset.mode === mode));
@@ -232,7 +258,7 @@ function contactSheet(sheet, parent) {
       ...sheet.times_s.map((t, i) => cell(row, mode, i)))));
   };
   for (const [mode, name] of Object.entries(sheetModes)) {
-    if (mode === "detail" && !sheet.rows.some((row) => row.detail.some((picture) => picture))) continue;
+    if ((mode === "detail" || mode === "close") && !sheet.rows.some((row) => row.detail.some((picture) => picture))) continue;
     tabs.append(el("button", { type: "button", "data-mode": mode, onclick: () => show(mode) }, name));
   }
   parent.append(tabs, el("div.scroll.sheet", { tabindex: "0", role: "region", "aria-label": "Contact sheet" },
@@ -280,8 +306,11 @@ function lateCorrection(predicted) {
 function notAvailable() {
   const list = summary.not_available || [];
   if (!list.length) return null;
-  return el("p.note", {}, "Asked for too: ", list.map((p) => `${p.pipeline}, ${p.name}: ${p.reason}`).join("; "), ".");
+  return el("p.note", {}, "To come: ", list.map((p) => `${p.pipeline}, ${p.name}: ${p.reason}`).join("; "), ".");
 }
+
+/** On a display that lights all lines at once, line by line (P6) is P5. */
+const isRepeated = (r) => r.pipeline === "P6" && r.display !== "rolling" && row("P5");
 
 function introduction() {
   const head = data.headline, still = row("P0"), predicted = row("P1"), first = still || predicted || summary.rows[0];
@@ -295,19 +324,19 @@ function introduction() {
   page.append(el("p", {}, "How large it is here: in ", el("strong", {}, typeset(head.motion_title)), ` the head turns at up to ${number(head.peak_head_deg_s, "\u00b0/s")}. At ` +
     `${tick(head.latency_ms)} ms of latency ${still ? "and no prediction (P0) " : ""}the virtual world stands up to `,
     el("strong", {}, angle(peak)), ` away from where it belongs (${number(first.registration.peak_px, "px")} in the picture) and slides at up to `,
-    el("strong", {}, number(first.swim.peak_deg_s, "\u00b0/s")), ". The width of your thumb at arm's length is about 2\u00b0."));
+    el("strong", {}, number(first.swim.peak_deg_s, "\u00b0/s")), ". The width of your thumb at arm's length is about 2\u00b0. ", head.shown));
   const change = still && predicted ? comparison(still, predicted) : null;
   if (change) page.append(change);
   const late = lateCorrection(predicted);
   if (late) page.append(late);
   const cards = el("div.cards");
-  for (const r of ["P0", "P1", "P4", "P5", "P6"].map((id) => row(id)).filter(Boolean)) {
+  for (const r of ["P0", "P1", "P4", "P5", "P6"].map((id) => row(id)).filter((r) => r && !isRepeated(r))) {
     const mark = el("i.dot"); mark.style.color = seriesColor(r.pipeline);
-    cards.append(el("div.card", {}, el("header", {}, mark, el("strong", {}, variantTitle(r)), el("span", {}, `${r.motion}, ${tick(r.latency_ms)} ms`)),
-      el("dl.figures", {}, ...[["largest error", number(r.registration.peak_arcmin / 60) + "\u00b0", number(r.registration.peak_px, "px")],
+    cards.append(el("div.card", {}, el("header", {}, mark, el("strong", {}, variantTitle(r))),
+      el("dl.figures", {}, ...[["largest error", angle(r.registration.peak_arcmin), number(r.registration.peak_px, "px")],
         ["fastest swim", number(r.swim.peak_deg_s, "\u00b0/s"), "RMS " + number(r.swim.rms_deg_s, "\u00b0/s")],
-        ["effective latency", number(r.effective_latency_ms, "ms"), `of ${tick(r.latency_ms)} ms`]]
-        .map(([name, value, more]) => el("div", {}, el("dt", {}, name), el("dd", {}, value, el("small", {}, more)))))));
+        ["eff. latency", r.effective_latency_ms !== null && Math.abs(r.effective_latency_ms) < 0.01 ? "0.00\u00a0ms" : number(r.effective_latency_ms, "ms"), `of ${tick(r.latency_ms)} ms`]]
+        .map(([name, value, more]) => el("div", {}, el("dt", {}, name), el("dd", {}, el("b", {}, value), el("small", {}, more)))))));
   }
   page.append(cards);
   const missing = notAvailable();
@@ -355,7 +384,7 @@ function motions() {
     panel.replaceChildren();
     for (const tab of tabs.children) tab.setAttribute("aria-selected", String(tab.dataset.id === id));
     const motion = data.motions[id];
-    panel.append(el("p.soft", {}, motion.about));
+    panel.append(el("p.soft", {}, motion.about + " " + motion.shown));
     const grid = el("div.charts.two");
     panel.append(grid);
     for (const chart of motion.charts) drawChart(chart, grid);

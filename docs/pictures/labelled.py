@@ -2,7 +2,7 @@
 """Lays pictures out side by side, each with its words below, and saves the page as one PNG (headless Chromium).
 
     docs/pictures/labelled.py OUT.png COLUMNS "words=picture.png" ...
-    docs/pictures/labelled.py OUT.png sheet REPORT.html MOTION      the contact sheet of a report, in detail
+    docs/pictures/labelled.py OUT.png sheet REPORT.html MOTION      the contact sheet of a report, as close-ups
 """
 
 import html
@@ -27,7 +27,8 @@ document.querySelector('main').replaceChildren(sheet);
 document.querySelector('main').style.cssText = 'padding: 0; max-width: none;';
 sheet.style.cssText = 'margin: 0; border: 0; box-shadow: none; border-radius: 0; overflow: visible; background: #fff;';
 document.body.style.background = '#fff';
-for (const th of sheet.querySelectorAll('tbody th')) th.style.fontSize = '15px';
+for (const th of sheet.querySelectorAll('tbody th')) th.style.cssText = 'font-size: 15px; min-width: 128px;';
+for (const small of sheet.querySelectorAll('td small')) small.style.fontSize = '14px';
 """
 
 

@@ -10,7 +10,7 @@ python3 "$label" "$out/deflection_shift.png" 2 \
 python3 "$label" "$out/deflection_depth.png" 2 \
   "rotation. The head stepped 4 cm aside and turned by 3°: the turn is corrected, but the nearer a thing, the more it is left behind=$panels/step_rotation.png" \
   "plane. At 1 m: what stands there fits, the rest does not=$panels/step_plane.png" \
-  "depth. Everything fits=$panels/step_depth.png" \
+  "depth. Everything that was seen fits, near and far=$panels/step_depth.png" \
   "depth, its mask. Red was hidden when the picture was drawn: its colour is a guess=$panels/step_mask.png"
 python3 "$label" "$out/deflection_rolling.png" 2 \
   "rotation, all lines at once. The head turns at 300°/s; real upright edges lean, the virtual ones do not=$panels/rolling_at_once.png" \

@@ -47,7 +47,7 @@ struct TimeSeries {
                                                     const holdfast::ExperimentSettings& settings,
                                                     const holdfast::RegistrationScene& scene);
 
-/// Name and style of a variant's line. P6 is dashed: on a global display it lies on P5's.
+/// Name and style of a variant's line. P6 is dashed: it may lie on P5's.
 [[nodiscard]] holdfast::io::ResultJson variant_series(holdfast::Pipeline pipeline, const std::string& name);
 
 }  // namespace swimlab

@@ -131,8 +131,9 @@ RunOptions checked(const RunWords& words, const std::string& command_line) {
   o.full = words.full;
   o.lenient = words.lenient;
   o.motions = or_else(words.motions, words.full ? Words{"M0", "M1", "M2", "M3", "M4", "M5", "M6", "M7", "M8"}
-                                                : Words{"M1", "M3", "M4", "M7"});
-  choose_pipelines(or_else(words.pipelines, {"P0", "P1", "P4", "P5", "P6"}), o);
+                                                : Words{"M6", "M1", "M3", "M4", "M7"});
+  if (words.motions.empty() && words.displays.empty() && words.hmd.empty() && !words.full) o.rolling_motion = "M6";
+  choose_pipelines(or_else(words.pipelines, {"all"}), o);
   const bool ablation = words.full && words.pipelines.empty();
   if (ablation || !words.deflections.empty()) choose_deflections(or_else(words.deflections, {"own", "shift"}), o);
   if (o.deflections.empty()) o.deflections.emplace_back(std::nullopt);
@@ -226,11 +227,12 @@ void add_run_command(CLI::App& app, const std::string& command_line, int& exit_c
   std::string names;
   for (const MotionName& name : motion_names()) names += "\n  " + std::string(name.id) + "  " + std::string(name.title);
   add_words(run_app, "--motion", words->motions,
-            "Motions: M0 to M8 (below) or recordings (TUM, EuRoC, CSV); default M1,M3,M4,M7");
+            "Motions: M0 to M8 (below) or recordings (TUM, EuRoC, CSV); default M6 on a rolling display with its lens "
+            "corrected, and M1,M3,M4,M7 as the other options say");
   add_words(
       run_app, "--pipeline", words->pipelines,
       "P0 no prediction, P1 constant velocity, P4 = P1 and late rotation, P5 = P1 and late depth warp, P6 = P5 line "
-      "by line, all (P2 and P3 are told of as not available yet); default P0,P1,P4,P5,P6");
+      "by line, all (P2 and P3 are told of as not available yet); default all");
   add_words(run_app, "--deflection", words->deflections,
             "What P4 to P6 do to the finished picture: own, or instead of it none, shift, shift_roll, rotation, plane, "
             "depth; several make several rows; default own (--full: own,shift)");

@@ -26,6 +26,9 @@ struct RunOptions {
   std::vector<holdfast::EyeSide> eyes;
   std::vector<holdfast::LensMode> lenses;
   std::vector<std::optional<holdfast::ScanOut>> displays;  ///< nothing: as the headset's descriptor says
+  /// The motion that the default run shows on a rolling display, through the last of the lenses alone: on a global one
+  /// P6 is P5. Empty: all motions are shown alike.
+  std::string rolling_motion;
   double late_ms = 3.0;
   double low_pass_hz = 10.0;         ///< of recordings; 0: as they are
   std::filesystem::path hmd, model;  ///< empty: none

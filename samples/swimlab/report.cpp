@@ -132,6 +132,7 @@ ResultJson page_picture(const Image& image, const std::string& caption, const st
 ResultJson contact_sheet(const std::vector<const RowResult*>& rows) {
   ResultJson sheet;
   sheet["times_s"] = ResultJson::array();
+  sheet["middles"] = ResultJson::array();
   sheet["rows"] = ResultJson::array();
   if (rows.empty()) return sheet;
   // Per row and moment: a detail (nothing where no disc is whole in view), the whole view, and the virtual alone.
@@ -140,12 +141,14 @@ ResultJson contact_sheet(const std::vector<const RowResult*>& rows) {
                              {"note", note},
                              {"detail", ResultJson::array()},
                              {"whole", ResultJson::array()},
-                             {"alone", ResultJson::array()}});
+                             {"alone", ResultJson::array()},
+                             {"rms_px", ResultJson::array()}});
     return sheet["rows"].back();
   };
   ResultJson& real = add("Real", "the room, at the moment of display");
   for (const PictureFrame& frame : rows.front()->contact) {
     sheet["times_s"].push_back(std::round(100.0 * frame.t_s) / 100.0);
+    sheet["middles"].push_back({std::round(frame.detail_middle[0]), std::round(frame.detail_middle[1])});
     real["detail"].push_back(frame.detail ? page_picture(frame.detail->real, "") : ResultJson(nullptr));
     real["whole"].push_back(page_picture(frame.whole.real, ""));
     real["alone"].push_back(nullptr);  // the same picture
@@ -154,6 +157,7 @@ ResultJson contact_sheet(const std::vector<const RowResult*>& rows) {
     const bool own = row->row.deflection == deflection_of(row->row.pipeline);
     ResultJson& entry = add(variant_name(row->row), own ? std::string(describe(row->row.pipeline)) : "an ablation");
     for (const PictureFrame& frame : row->contact) {
+      entry["rms_px"].push_back(rounded(frame.rms_px));
       std::string words = with_unit("Error %.1f px RMS.", frame.rms_px);
       if (frame.missing_pct >= 0.05) words += with_unit(" %.1f %% of the view has no pixel.", frame.missing_pct);
       if (frame.guessed_pct >= 0.005) words += with_unit(" %.2f %% was hidden when it was drawn.", frame.guessed_pct);
@@ -166,9 +170,9 @@ ResultJson contact_sheet(const std::vector<const RowResult*>& rows) {
     }
   }
   sheet["caption"] =
-      "Grey is real, coloured is virtual. Arrows lead from each real disc to where its virtual twin is drawn. The "
-      "detail "
-      "is the surroundings of the nearest disc, pixel by pixel. Select a picture to enlarge it.";
+      "Grey is real, coloured is virtual. Arrows lead from each real disc to where its virtual twin is drawn, and the "
+      "numbers are the error of all discs in view (RMS). The detail is the surroundings of the nearest disc, pixel by "
+      "pixel; the close-up magnifies it four times. Select a picture to enlarge it.";
   return sheet;
 }
 

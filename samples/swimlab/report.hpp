@@ -23,7 +23,8 @@ void write_pictures(const std::filesystem::path& folder, const RowResult& result
 [[nodiscard]] holdfast::io::ResultJson page_picture(const holdfast::io::Image& image, const std::string& caption,
                                                     const std::vector<Arrow>* arrows = nullptr);
 
-/// The contact sheet of a motion: real, then each pipeline, in detail, whole, and alone.
+/// The contact sheet of a motion: real, then each pipeline, in detail, whole, and alone; with the disc's place in the
+/// details, for a close-up, and each picture's error.
 [[nodiscard]] holdfast::io::ResultJson contact_sheet(const std::vector<const RowResult*>& rows);
 
 /// The overlay of a row's worst frame, at half size.

@@ -89,7 +89,8 @@ void take_mask(io::Image& image, double& missing_pct, double& guessed_pct) {
   for (std::size_t i = 3; i < image.rgba.size(); i += 4) image.rgba[i] = 255;
 }
 
-/// Where the nearest disc of those is seen that stand whole in the real picture; of equals the most central.
+/// Where the nearest disc of those is seen that stand whole in the real picture; of equals the one farthest from the
+/// middle, whose lines light longest before or after it.
 std::optional<Vector2> place_of_detail(const EyeModel& eye, const RegistrationScene& scene, const Rigid& X_WE) {
   const Vector2 middle(0.5 * eye.resolution.width, 0.5 * eye.resolution.height);
   std::optional<Vector2> place;
@@ -97,7 +98,7 @@ std::optional<Vector2> place_of_detail(const EyeModel& eye, const RegistrationSc
   for (const Disc& disc : scene.discs) {
     const auto ellipse = project_disc(eye, X_WE, disc);
     if (!ellipse || !ellipse->front || !ellipse->is_inside(eye.resolution)) continue;
-    const std::pair rank(disc.nominal_distance_m, (ellipse->centroid - middle).norm());
+    const std::pair rank(disc.nominal_distance_m, -(ellipse->centroid - middle).norm());
     if (place && rank >= best) continue;
     best = rank;
     place = ellipse->centroid;
@@ -219,6 +220,7 @@ PictureFrame RowRunner::picture(const Motion& motion, const ExperimentSettings& 
     };
     const int x = corner_of(middle->x(), like.width, real.width), y = corner_of(middle->y(), like.height, real.height);
     result.detail = Shot{cut_out(real, x, y, like), cut_out(drawn_, x, y, like), {}};
+    result.detail_middle = {middle->x() - x, like.height - (middle->y() - y)};
     add_arrows(*result.detail, Vector2(x, y), 1.0);
   }
   const double ms = ms_since(keeping);

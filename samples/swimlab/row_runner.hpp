@@ -34,6 +34,7 @@ struct PictureFrame {
   Shot whole;
   /// Round one disc, the same for all pipelines, each pixel as the display has it; as large as `whole`.
   std::optional<Shot> detail;
+  std::array<double, 2> detail_middle{};  ///< the disc's place in it, counted as Arrow's
 };
 
 struct FrameSample {
@@ -46,6 +47,7 @@ struct RowResult {
   std::vector<FrameSample> samples;   ///< every frame
   std::vector<PictureFrame> contact;  ///< small pictures, evenly spaced in time
   std::optional<PictureFrame> worst;  ///< full size: the frame of the largest error
+  bool is_repeated = false;           ///< the row of another pipeline that does the same here: numbers alone
 };
 
 struct PicturePlan {

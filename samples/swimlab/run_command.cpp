@@ -96,7 +96,10 @@ Task checked_task(const ChosenMotion& motion, ExperimentSettings s) {
 std::vector<Task> tasks_of(const RunOptions& options, const std::vector<ChosenMotion>& motions, const HmdModel& hmd) {
   std::vector<Task> tasks;
   for (const ChosenMotion& motion : motions) {
-    for (const auto& display : options.displays) {
+    const bool rolls = motion.id == options.rolling_motion;
+    const auto displays = rolls ? std::vector<std::optional<ScanOut>>{ScanOut::rolling} : options.displays;
+    const auto lenses = rolls ? std::vector<LensMode>{options.lenses.back()} : options.lenses;
+    for (const auto& display : displays) {
       ExperimentSettings s;
       s.motion_name = motion.id;
       s.hmd = with_display(hmd, display);
@@ -105,7 +108,7 @@ std::vector<Task> tasks_of(const RunOptions& options, const std::vector<ChosenMo
       s.plane_distance_m = options.plane_distance_m;
       const std::vector<Variant> variants = variants_of(options, s.hmd.timing.scan_out == ScanOut::rolling);
       for (const EyeSide eye : options.eyes) {
-        for (const LensMode lens : options.lenses) {
+        for (const LensMode lens : lenses) {
           for (const double latency_ms : options.latencies_ms) {
             for (const Variant& variant : variants) {
               s.pipeline = variant.pipeline;
@@ -188,29 +191,83 @@ void print_checks(const std::vector<Check>& checks) {
   }
 }
 
-/// The row that headlines speak of: first motion that moves, and the first of everything else.
-const RowResult& headline_of(const std::vector<RowResult>& results) {
-  for (const RowResult& result : results) {
-    if (result.row.motion != "M0" && result.row.registration) return result;
+bool is_rolling(const ExperimentSettings& s) {
+  return s.hmd.timing.scan_out == ScanOut::rolling;
+}
+
+/// Alike in all but the pipeline.
+bool is_like(const Task& a, const Task& b) {
+  return a.motion == b.motion && a.settings.eye == b.settings.eye && a.settings.lens == b.settings.lens &&
+         a.settings.latency == b.settings.latency && is_rolling(a.settings) == is_rolling(b.settings);
+}
+
+/// A motion's first task; on a rolling display if there is one, which tells line by line (P6) from all at once (P5).
+const Task& shown_task(const std::vector<Task>& tasks, const ChosenMotion& motion) {
+  const auto is_of = [&](const Task& task) { return task.motion == &motion; };
+  const auto rolls = [&](const Task& task) { return is_of(task) && is_rolling(task.settings); };
+  const auto rolling = std::find_if(tasks.begin(), tasks.end(), rolls);
+  return rolling != tasks.end() ? *rolling : *std::find_if(tasks.begin(), tasks.end(), is_of);
+}
+
+/// Whether the page shows it: the motion's pipelines under one choice of everything else.
+bool is_shown(const std::vector<Task>& tasks, const Task& task) {
+  return is_like(task, shown_task(tasks, *task.motion));
+}
+
+/// Where all lines light at once, deflecting line by line is deflecting: the same task without, if it was before.
+std::optional<std::size_t> same_task_before(const std::vector<Task>& tasks, std::size_t i) {
+  const ExperimentSettings& s = tasks[i].settings;
+  if (s.pipeline != Pipeline::p6 || is_rolling(s)) return std::nullopt;
+  for (std::size_t k = 0; k < i; ++k) {
+    const ExperimentSettings& other = tasks[k].settings;
+    const bool same = other.pipeline == Pipeline::p5 && deflection_of(other).kind == deflection_of(s).kind;
+    if (same && is_like(tasks[k], tasks[i])) return k;
   }
-  return results.front();
+  return std::nullopt;
 }
 
-bool is_like(const ExperimentRow& row, const ExperimentRow& head) {
-  return row.eye == head.eye && row.lens == head.lens && row.latency_ms == head.latency_ms &&
-         row.display == head.display;
+/// The row of P6, from that of P5 where both do the same; without pictures of its own.
+RowResult repeated(const RowResult& result, const ExperimentSettings& settings) {
+  RowResult copy;
+  copy.row = result.row;
+  copy.row.pipeline = settings.pipeline;
+  copy.row.per_scanline = deflection_of(settings).per_scanline;
+  copy.is_repeated = true;
+  return copy;
 }
 
-/// Whether a row's pictures are kept in a full run: those that differ from the first row only in motion and pipeline.
-bool is_shown(const ExperimentSettings& a, const ExperimentSettings& first) {
-  return a.eye == first.eye && a.lens == first.lens && a.latency == first.latency &&
-         a.hmd.timing.scan_out == first.hmd.timing.scan_out;
+/// The motion that headlines speak of: the first that moves.
+const ChosenMotion& headline_motion(const std::vector<Task>& tasks, const std::vector<RowResult>& results) {
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    if (results[i].row.motion != "M0" && results[i].row.registration) return *tasks[i].motion;
+  }
+  return *tasks.front().motion;
+}
+
+/// What the page shows of a motion, in words.
+std::string shown_words(const ExperimentSettings& s) {
+  const DisplayTiming& timing = s.hmd.timing;
+  std::string words = "Shown is the " + std::string(io::name_of(s.eye)) + " eye, at " +
+                      cell("%g", to_milliseconds(s.latency)) + " ms of latency, on a display that lights ";
+  words += is_rolling(s) ? "line after line over " + cell("%g", to_milliseconds(timing.scan_duration)) + " ms"
+                         : std::string("all lines at once");
+  switch (s.lens) {
+    case LensMode::none:
+      return words + ", without a lens.";
+    case LensMode::exact:
+      return words + ", through a lens that is corrected exactly.";
+    case LensMode::cubic:
+      return words + ", through a lens that is corrected by the cubic of the course.";
+    case LensMode::uncorrected:
+      break;
+  }
+  return words + ", through a lens that is not corrected.";
 }
 
 /// The page's data beyond the summary.
 ResultJson report_data(const ResultJson& summary, const std::vector<Task>& tasks, const std::vector<RowResult>& results,
                        const std::vector<ChosenMotion>& motions, const RegistrationScene& scene) {
-  const RowResult& head = headline_of(results);
+  const ChosenMotion& head = headline_motion(tasks, results);
   ResultJson data;
   data["summary"] = summary;
   data["motions"] = ResultJson::object();
@@ -219,8 +276,12 @@ ResultJson report_data(const ResultJson& summary, const std::vector<Task>& tasks
     std::vector<TimeSeries> series;
     std::vector<const RowResult*> rows;
     std::vector<ExperimentSettings> variants;
+    const Task& shown = shown_task(tasks, motion);
+    bool has_repeated = false;
     for (std::size_t i = 0; i < results.size(); ++i) {
-      if (tasks[i].motion != &motion || !is_like(results[i].row, head.row)) continue;
+      if (!is_like(tasks[i], shown)) continue;
+      has_repeated = has_repeated || results[i].is_repeated;
+      if (results[i].is_repeated) continue;
       series.push_back({results[i].row.pipeline, variant_name(results[i].row), results[i].samples});
       rows.push_back(&results[i]);
       variants.push_back(tasks[i].settings);
@@ -229,19 +290,22 @@ ResultJson report_data(const ResultJson& summary, const std::vector<Task>& tasks
     ResultJson& page = data["motions"][motion.id];
     page["tab"] = motion.title;
     page["about"] = motion.about;
+    page["shown"] = shown_words(shown.settings) +
+                    (has_repeated ? " P6 is not drawn: where all lines light at once it is the same as P5." : "");
     page["charts"] = {error_chart(series), swim_chart(series), latency_chart(*motion.motion, variants, scene),
                       budget_chart(*motion.motion, variants.front(), scene)};
     page["sheet"] = contact_sheet(rows);
-    if (motion.id != head.row.motion) continue;
+    if (&motion != &head) continue;
     for (const RowResult* row : rows) {
       if (row->worst) data["heroes"].push_back(worst_picture(*row));
     }
     data["headline"] = {{"motion", motion.id},
                         {"motion_title", motion.title},
-                        {"latency_ms", head.row.latency_ms},
-                        {"lens", io::name_of(head.row.lens)},
-                        {"eye", io::name_of(head.row.eye)},
-                        {"display", io::name_of(head.row.display)},
+                        {"latency_ms", to_milliseconds(shown.settings.latency)},
+                        {"lens", io::name_of(shown.settings.lens)},
+                        {"eye", io::name_of(shown.settings.eye)},
+                        {"display", io::name_of(shown.settings.hmd.timing.scan_out)},
+                        {"shown", shown_words(shown.settings)},
                         {"peak_head_deg_s", rounded(peak_head_speed_deg_s(*motion.motion))}};
     data["sweeps"] = frequency_charts(variants);
   }
@@ -299,9 +363,13 @@ int run(const RunOptions& options) {
     const Task& task = tasks[i];
     progress.show(i + 1,
                   task.motion->id + ' ' + variant_name(task.settings.pipeline, deflection_of(task.settings).kind));
+    if (const auto before = same_task_before(tasks, i)) {
+      results.push_back(repeated(results[*before], task.settings));
+      continue;
+    }
     PicturePlan plan;
     if (options.full) plan.measured = 5;
-    if (options.full && !is_shown(task.settings, tasks.front().settings)) plan.contact = 0;
+    if (options.full && !is_shown(tasks, task)) plan.contact = 0;
     results.push_back(runner.run(*task.motion->motion, task.settings, plan));
     const auto encoding = Clock::now();
     write_pictures(folder.path() / "pictures", results.back());

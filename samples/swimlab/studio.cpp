@@ -29,6 +29,16 @@ class Stopwatch {
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
+/// The i-th of n parts of a band, cut across its lines.
+PixelRectangle tile_of(PixelRectangle band, ScanDirection direction, int n, int i) {
+  int& low = is_sideways(direction) ? band.bottom : band.left;
+  int& high = is_sideways(direction) ? band.top : band.right;
+  const int first = low, length = high - low;
+  low = first + length * i / n;
+  high = first + length * (i + 1) / n;
+  return band;
+}
+
 }  // namespace
 
 Studio::Studio(std::optional<Backend> backend, const RegistrationScene& scene, const std::filesystem::path& model)
@@ -124,9 +134,15 @@ void Studio::draw_real(const EyeModel& eye, LensMode lens, const DisplayTiming& 
   if (timing.scan_out == ScanOut::global) {
     paint({.eye = &eye, .X_WE = X_WE_at(0.0)}, style);
   } else {
+    // A lens bends the panel's lines: the time changes along a row too. (A model is drawn whole each time: not so often.)
+    const int tiles = lens == LensMode::none || model_ ? 1 : 8;
     draw_rolling(target, timing.scan_direction, bands, [&](const Band& band) {
-      const Rigid X_WE = X_WE_at(light_seconds(eye, timing, lens, band.middle_px));
-      paint({.eye = &eye, .X_WE = X_WE, .part = band.part}, style);
+      for (int i = 0; i < tiles; ++i) {
+        const PixelRectangle part = tile_of(band.part, timing.scan_direction, tiles, i);
+        const Vector2 middle = 0.5 * Vector2(part.left + part.right, part.bottom + part.top);
+        context_->gl().Scissor(part.left, part.bottom, part.right - part.left, part.top - part.bottom);
+        paint({.eye = &eye, .X_WE = X_WE_at(light_seconds(eye, timing, lens, middle)), .part = part}, style);
+      }
     });
   }
   target.read_rgba(result);

@@ -41,7 +41,8 @@ class Studio {
                     const holdfast::DisplayTiming& timing, const holdfast::rendering::SceneStyle& style, Smooth smooth,
                     holdfast::io::Image& result);
 
-  /// The world: under a rolling scan-out line by line (in bands of about 8 lines) as it is when the line is lit. `X_WE_at`
+  /// The world: under a rolling scan-out line by line (in bands of about 8 lines, and seen through a lens in pieces of
+  /// them) as it is when the line is lit. `X_WE_at`
   /// takes seconds from the middle of scan-out.
   void draw_real(const holdfast::EyeModel& eye, holdfast::LensMode lens, const holdfast::DisplayTiming& timing,
                  const std::function<holdfast::Rigid(double)>& X_WE_at, const holdfast::rendering::SceneStyle& style,

@@ -166,7 +166,7 @@ class Run(Case):
         for key in ["backend", "gl_version", "gl_renderer"]:
             self.assertTrue(summary["environment"][key])
         self.assertEqual(len(summary["rows"]), 2 * 2 * 5)  # motions, lenses none and exact, pipelines P0, P1, P4, P5, P6
-        self.assertEqual(summary["not_available"], [])
+        self.assertEqual([entry["pipeline"] for entry in summary["not_available"]], ["P2", "P3"])
         for row in summary["rows"]:
             self.check_row(row)
         self.assertEqual({check["value"] for check in summary["checks"]}, {1, 2, 4, 5, 6, 7, 8, 9})
@@ -189,6 +189,23 @@ class Run(Case):
         again = swimlab("run", "--motion", "M1,M0", "--size", "640x360", "--out", "r", cwd=self.dir)
         self.assertEqual(again.returncode, 0, again.stderr)
         self.assertEqual(strict_json((self.dir / "r/summary.json").read_text())["rows"], summary["rows"])
+
+    def test_the_default_run_shows_what_each_pipeline_gains(self):
+        answer = swimlab("run", "--pipeline", "P0,P1,P4,P5,P6", "--lens", "exact", "--size", "160x90", "--out", "r", cwd=self.dir)
+        self.assertEqual(answer.returncode, 0, answer.stdout + answer.stderr)
+        rows = strict_json((self.dir / "r/summary.json").read_text())["rows"]
+        self.assertEqual([(row["motion"], row["display"]) for row in rows[::5]],
+                         [("M6", "rolling"), ("M1", "global"), ("M3", "global"), ("M4", "global"), ("M7", "global")])
+        swing = [row["registration"]["rms_px"] for row in rows[:5]]
+        for before, after in zip(swing, swing[1:]):
+            self.assertLess(after, 0.6 * before)
+        # All lines at once: P6 is P5, told as a row but not drawn again.
+        for p5, p6 in zip(rows[8::5], rows[9::5]):
+            self.assertEqual((p5["pipeline"], p6["pipeline"]), ("P5", "P6"))
+            self.assertEqual(p5["registration"], p6["registration"])
+            self.assertTrue(p6["per_scanline"])
+        self.assertFalse(list((self.dir / "r/pictures").glob("*_P6_*_global*.png")))
+        self.assertTrue(list((self.dir / "r/pictures").glob("M6_P6_*_rolling*.png")))
 
     def test_a_lens_left_uncorrected_is_measured_where_it_is_seen(self):
         answer = swimlab("run", "--motion", "M0", "--lens", "uncorrected", "--eye", "both", "--pipeline", "P0", "--out", "r",

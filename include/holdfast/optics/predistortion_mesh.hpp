@@ -3,14 +3,18 @@
 /// Draw the triangles at (panel_x, panel_y), interpolate the tangents linearly, and look the source picture up at the
 /// interpolated tangent (after the late correction, if there is one). What no triangle covers stays black.
 ///
-/// Adaptive: the panel is cut by newest-vertex bisection (Mitchell 1989: triangles are halved at the middle of their
-/// longest edge, together with the neighbour across it, so no vertex ever stands on another triangle's edge and no
-/// crack can open) until linear interpolation differs from the exact lens by at most max_error_px, in pixels of a source
-/// picture with the eye's own tangents and resolution. Below 0.5 px each of these triangles is then drawn as 16 or 64
-/// equal ones, where nothing but the lens's own domain cuts the mesh and the lens has no kinks. The error is found from
-/// the lens's exact values at points that fix a cubic, and taken 5 % larger; up to 2.3 times where a kink may lie
-/// between them (Oculus's spline; samples that differ between colours). A lens of samples is drawn by its own triangles,
-/// exactly. Fixed: columns x rows cells, for comparison.
+/// Adaptive: linear interpolation differs from the exact lens by at most max_error_px, in pixels of a source picture with
+/// the eye's own tangents and resolution. Three ways lead there:
+/// - Lenses that are functions of the radius round one centre: rings and spokes, with vertices closer along the radius,
+///   where such lenses bend more, than across. A ring stands at a kink (Oculus's spline) and where the lens ends. How
+///   close the rings must be is computed from the lens's second derivative (detail/polar_mesher.hpp).
+/// - All others, and whatever is cut by a `field`: the panel is cut by newest-vertex bisection (Mitchell 1989: triangles
+///   are halved at the middle of their longest edge, together with the neighbour across it, so no vertex ever stands on
+///   another triangle's edge and no crack can open). Where the bound is fine each of these triangles is drawn as 16 or 64
+///   equal ones. The error is computed as above, or found from the lens's exact values at points that fix a cubic, and
+///   taken 5 % larger; up to 2.3 times where a kink may lie between them (samples that differ between colours).
+/// - A lens of samples is drawn by its own triangles, exactly.
+/// Fixed: columns x rows cells, for comparison.
 ///
 /// Edge: where the lens has no domain, all but folds (something is seen 32 times smaller than it is drawn, or drawn 8
 /// times smaller by the cubic), or shows what lies outside `field`, nothing is drawn. Vertices are placed on that

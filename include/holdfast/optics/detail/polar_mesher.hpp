@@ -21,6 +21,7 @@
 #include <utility>
 #include <vector>
 
+#include <holdfast/optics/detail/mesh_cut.hpp>
 #include <holdfast/optics/detail/mesh_pieces.hpp>
 #include <holdfast/optics/detail/radial_bend.hpp>
 #include <holdfast/optics/detail/triangle_error.hpp>

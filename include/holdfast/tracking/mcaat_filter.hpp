@@ -3,9 +3,9 @@
 /// SCAAT's rival (002 sections 3.7 and E.3.1): measurements are collected until there are N, stacked, and taken as one of the
 /// time of the newest: the simultaneity assumption. With N = 1 it is SCAAT. Sources are calibrated as there; the
 /// stacked system is
-///   S = H P H^T + blockdiag(H_b P_b H_b^T + R),  K = P H^T S^-1,  P <- P - K S K^T,
+///   S = H P H^T + blockdiag(H_b (P_b + residual) H_b^T + R),  K = P H^T S^-1,  P <- P - K S K^T,
 /// and each source is corrected by its own rows. A source that is in a window twice is corrected once.
-/// `Sources` is a DeviceTable, or anything with its `at` and `store`.
+/// `Sources` is a DeviceTable, or anything with its `for_sighting` and `store`.
 /// Nothing here allocates. Bad input: a measurement that the state cannot give is left out of the window's update, and
 /// McaatStatus tells when nothing could be updated.
 #pragma once
@@ -76,14 +76,16 @@ class McaatFilter {
     for (const Observation& observation : window_.observations()) {
       SourceInWindow& source = used[static_cast<std::size_t>(count)];
       source.index = observation.source;
-      source.estimate = sources.at(observation.source);
+      source.estimate = sources.for_sighting(observation.source);
       Linearization<M> linear;
       if (!observation.measurement.linearize(state_, source.estimate.x, {}, linear)) continue;
       if (!linear.residual.allFinite()) continue;
       source.C.noalias() = source.estimate.P * linear.H_source.transpose();
       H.template middleRows<m>(count * m) = linear.H;
       residual.template segment<m>(count * m) = linear.residual;
-      S.template block<m, m>(count * m, count * m) = linear.R + linear.H_source * source.C;
+      S.template block<m, m>(count * m, count * m) =
+          linear.R + linear.H_source * source.C +
+          linear.H_source * source.estimate.residual_variance.asDiagonal() * linear.H_source.transpose();
       ++count;
     }
     if (count == 0) return McaatStatus::nothing_seen;

@@ -68,19 +68,12 @@ class DepthWarpPass {
   /// Writes all of `result`, which has the mesh's resolution. X_SE: DeflectionResult's, for DeflectionKind::depth.
   void draw(const RenderedPicture<RenderTarget*>& source, const DepthSurfaceTexture& surface, const WarpMesh& mesh,
             const ScanPose& X_SE, const DisplayTiming& timing, RenderTarget& result) const {
-    RenderTarget& picture = *source.picture();
-    detail::require_pictures(source, result, mesh.resolution(), "the mesh");
     detail::require_same_view(source.view(), surface.view());
-    picture.resolve();
-    result.clear({0, 0, 0, 0});
     const GlFunctions& gl = context_->gl();
-    gl.Disable(GL_DEPTH_TEST);
-    gl.Disable(GL_BLEND);
-    gl.Disable(GL_CULL_FACE);
+    detail::begin_warp(gl, source, mesh, result);
     const Program& program = mesh.is_per_colour() ? per_colour_ : one_colour_;
     (mesh.is_per_colour() ? per_colour_uniforms_ : one_colour_uniforms_).set(program, surface, X_SE, timing);
     program.use();
-    gl.BindTextureUnit(0, picture.colour_texture());
     gl.BindTextureUnit(1, surface.facets_texture());
     gl.BindTextureUnit(2, surface.greatest_texture());
     gl.BindTextureUnit(3, surface.blocks_texture());

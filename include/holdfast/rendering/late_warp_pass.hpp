@@ -45,6 +45,18 @@ inline void require_pictures(const RenderedPicture<RenderTarget*>& source, const
   if (source.picture() == &result) throw RenderingError("a picture cannot be warped onto itself");
 }
 
+/// Before `mesh` is drawn: the pictures fit, the source can be looked up as texture 0, nothing of `result` is covered.
+inline void begin_warp(const GlFunctions& gl, const RenderedPicture<RenderTarget*>& source, const WarpMesh& mesh,
+                       RenderTarget& result) {
+  require_pictures(source, result, mesh.resolution(), "the mesh");
+  source.picture()->resolve();
+  result.clear({0, 0, 0, 0});
+  gl.Disable(GL_DEPTH_TEST);
+  gl.Disable(GL_BLEND);
+  gl.Disable(GL_CULL_FACE);
+  gl.BindTextureUnit(0, source.picture()->colour_texture());
+}
+
 }  // namespace detail
 
 class LateWarpPass {
@@ -58,20 +70,12 @@ class LateWarpPass {
   /// Writes all of `result`, which has the mesh's resolution. The source is resolved here.
   void draw(const RenderedPicture<RenderTarget*>& source, const WarpMesh& mesh, const ScanHomography& H_SE,
             const DisplayTiming& timing, RenderTarget& result) const {
-    RenderTarget& picture = *source.picture();
-    detail::require_pictures(source, result, mesh.resolution(), "the mesh");
-    picture.resolve();
-    result.clear({0, 0, 0, 0});
-    const GlFunctions& gl = context_->gl();
-    gl.Disable(GL_DEPTH_TEST);
-    gl.Disable(GL_BLEND);
-    gl.Disable(GL_CULL_FACE);
+    detail::begin_warp(context_->gl(), source, mesh, result);
     const Pass& pass = pass_of(mesh);
     const SourceMatrices M = source_matrices(source.view(), H_SE);
     pass.program.set(pass.source_of_tangent, {M.begin, M.linear(), M.quadratic()});
     pass.program.set(pass.line_of_place, line_fraction_coefficients(timing));
     pass.program.use();
-    gl.BindTextureUnit(0, picture.colour_texture());
     mesh.draw();
   }
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include <holdfast/geometry/types.hpp>
-#include <holdfast/rendering/gl_object.hpp>
+#include <holdfast/rendering/triangle_buffers.hpp>
 
 namespace holdfast::rendering {
 
@@ -24,42 +24,20 @@ class Mesh {
  public:
   /// indices: three per triangle, each below vertices.size().
   Mesh(Context& context, std::span<const MeshVertex> vertices, std::span<const std::uint32_t> indices)
-      : context_(&context),
-        vertices_(make_buffer(context)),
-        indices_(make_buffer(context)),
-        layout_(make_vertex_array(context)),
-        index_count_(static_cast<GLsizei>(indices.size())) {
-    const GlFunctions& gl = context.gl();
-    gl.NamedBufferStorage(vertices_.id(), static_cast<GLsizeiptr>(vertices.size_bytes()), vertices.data(), 0);
-    gl.NamedBufferStorage(indices_.id(), static_cast<GLsizeiptr>(indices.size_bytes()), indices.data(), 0);
-    gl.VertexArrayVertexBuffer(layout_.id(), 0, vertices_.id(), 0, sizeof(MeshVertex));
-    gl.VertexArrayElementBuffer(layout_.id(), indices_.id());
-    attribute(0, 3, offsetof(MeshVertex, position));
-    attribute(1, 3, offsetof(MeshVertex, normal));
-    attribute(2, 2, offsetof(MeshVertex, uv));
-    attribute(3, 4, offsetof(MeshVertex, colour));
-    throw_gl_error(gl, "uploading a mesh");
+      : buffers_(context, std::as_bytes(vertices), sizeof(MeshVertex), indices) {
+    buffers_.attribute(0, 3, offsetof(MeshVertex, position));
+    buffers_.attribute(1, 3, offsetof(MeshVertex, normal));
+    buffers_.attribute(2, 2, offsetof(MeshVertex, uv));
+    buffers_.attribute(3, 4, offsetof(MeshVertex, colour));
+    throw_gl_error(context.gl(), "uploading a mesh");
   }
 
-  [[nodiscard]] std::size_t triangle_count() const { return static_cast<std::size_t>(index_count_) / 3; }
+  [[nodiscard]] std::size_t triangle_count() const { return buffers_.triangle_count(); }
 
-  void draw() const {
-    const GlFunctions& gl = context_->gl();
-    gl.BindVertexArray(layout_.id());
-    gl.DrawElements(GL_TRIANGLES, index_count_, GL_UNSIGNED_INT, nullptr);
-  }
+  void draw() const { buffers_.draw(); }
 
  private:
-  void attribute(GLuint index, GLint components, std::size_t offset) const {
-    const GlFunctions& gl = context_->gl();
-    gl.EnableVertexArrayAttrib(layout_.id(), index);
-    gl.VertexArrayAttribFormat(layout_.id(), index, components, GL_FLOAT, GL_FALSE, static_cast<GLuint>(offset));
-    gl.VertexArrayAttribBinding(layout_.id(), index, 0);
-  }
-
-  Context* context_;
-  GlObject vertices_, indices_, layout_;
-  GLsizei index_count_;
+  TriangleBuffers buffers_;
 };
 
 /// The box between two opposite corners, its faces' normals outward.

@@ -29,5 +29,6 @@
 #include <holdfast/rendering/seen_mesh.hpp>
 #include <holdfast/rendering/shader_source.hpp>
 #include <holdfast/rendering/texture.hpp>
+#include <holdfast/rendering/triangle_buffers.hpp>
 #include <holdfast/rendering/view.hpp>
 #include <holdfast/rendering/warp_mesh.hpp>

@@ -20,8 +20,8 @@
 #include <vector>
 
 #include <holdfast/optics/predistortion_mesh.hpp>
-#include <holdfast/rendering/gl_object.hpp>
 #include <holdfast/rendering/seen_mesh.hpp>
+#include <holdfast/rendering/triangle_buffers.hpp>
 
 namespace holdfast::rendering {
 
@@ -125,30 +125,26 @@ class WarpMesh {
   enum class Kind { panel, seen };
 
   WarpMesh(Context& context, const PredistortionMesh& mesh, double longest_edge = 1.0 / 32.0)
-      : WarpMesh(context, Kind::panel, mesh.per_color, mesh.resolution) {
-    if (!mesh.ok()) throw RenderingError("no predistortion mesh: " + std::string(describe(mesh.problem)));
-    detail::require_triangles(mesh.vertices.size(), mesh.triangles, mesh.resolution);
-    detail::require_on_panel(mesh.vertices);
-    HOLDFAST_ASSERT(longest_edge > 0.0, "edges have a length");
-    std::vector<PredistortionVertex> vertices = mesh.vertices;
-    std::vector<std::uint32_t> triangles = mesh.triangles;
-    detail::split_long_edges(vertices, triangles, static_cast<float>(longest_edge));
-    upload(std::as_bytes(std::span(vertices)), sizeof(PredistortionVertex), triangles);
-    attribute(0, offsetof(PredistortionVertex, panel_x));
+      : kind_(Kind::panel),
+        per_colour_(mesh.per_color),
+        resolution_(mesh.resolution),
+        buffers_(uploaded(context, mesh, longest_edge)) {
+    buffers_.attribute(0, 2, offsetof(PredistortionVertex, panel_x));
     for (GLuint c = 0; c < 3; ++c) {
-      attribute(1 + c, offsetof(PredistortionVertex, tangent) + c * sizeof(float[2]));
-      attribute(4 + c, offsetof(PredistortionVertex, panel_x));
+      buffers_.attribute(1 + c, 2, offsetof(PredistortionVertex, tangent) + c * sizeof(float[2]));
+      buffers_.attribute(4 + c, 2, offsetof(PredistortionVertex, panel_x));
     }
     throw_gl_error(context.gl(), "uploading a predistortion mesh");
   }
-  WarpMesh(Context& context, const SeenMesh& mesh) : WarpMesh(context, Kind::seen, mesh.per_colour, mesh.resolution) {
-    detail::require_triangles(mesh.vertices.size(), mesh.triangles, mesh.resolution);
-    detail::require_finite(mesh.vertices);
-    upload(std::as_bytes(std::span(mesh.vertices)), sizeof(SeenVertex), mesh.triangles);
-    attribute(0, offsetof(SeenVertex, seen_x));
+  WarpMesh(Context& context, const SeenMesh& mesh)
+      : kind_(Kind::seen),
+        per_colour_(mesh.per_colour),
+        resolution_(mesh.resolution),
+        buffers_(uploaded(context, mesh)) {
+    buffers_.attribute(0, 2, offsetof(SeenVertex, seen_x));
     for (GLuint c = 0; c < 3; ++c) {
-      attribute(1 + c, offsetof(SeenVertex, tangent) + c * sizeof(float[2]));
-      attribute(4 + c, offsetof(SeenVertex, panel) + c * sizeof(float[2]));
+      buffers_.attribute(1 + c, 2, offsetof(SeenVertex, tangent) + c * sizeof(float[2]));
+      buffers_.attribute(4 + c, 2, offsetof(SeenVertex, panel) + c * sizeof(float[2]));
     }
     throw_gl_error(context.gl(), "uploading a mesh of what the eye sees");
   }
@@ -156,48 +152,32 @@ class WarpMesh {
   [[nodiscard]] Kind kind() const { return kind_; }
   [[nodiscard]] bool is_per_colour() const { return per_colour_; }
   [[nodiscard]] PixelSize resolution() const { return resolution_; }  ///< of the picture that it lies over
-  [[nodiscard]] std::size_t vertex_count() const { return vertex_count_; }
-  [[nodiscard]] std::size_t triangle_count() const { return static_cast<std::size_t>(index_count_) / 3; }
+  [[nodiscard]] std::size_t vertex_count() const { return buffers_.vertex_count(); }
+  [[nodiscard]] std::size_t triangle_count() const { return buffers_.triangle_count(); }
 
-  void draw() const {
-    const GlFunctions& gl = context_->gl();
-    gl.BindVertexArray(layout_.id());
-    gl.DrawElements(GL_TRIANGLES, index_count_, GL_UNSIGNED_INT, nullptr);
-  }
+  void draw() const { buffers_.draw(); }
 
  private:
-  WarpMesh(Context& context, Kind kind, bool per_colour, PixelSize resolution)
-      : context_(&context),
-        kind_(kind),
-        per_colour_(per_colour),
-        resolution_(resolution),
-        vertices_(make_buffer(context)),
-        indices_(make_buffer(context)),
-        layout_(make_vertex_array(context)) {}
-
-  void upload(std::span<const std::byte> vertices, std::size_t stride, std::span<const std::uint32_t> triangles) {
-    const GlFunctions& gl = context_->gl();
-    vertex_count_ = vertices.size() / stride;
-    index_count_ = static_cast<GLsizei>(triangles.size());
-    gl.NamedBufferStorage(vertices_.id(), static_cast<GLsizeiptr>(vertices.size()), vertices.data(), 0);
-    gl.NamedBufferStorage(indices_.id(), static_cast<GLsizeiptr>(triangles.size_bytes()), triangles.data(), 0);
-    gl.VertexArrayVertexBuffer(layout_.id(), 0, vertices_.id(), 0, static_cast<GLsizei>(stride));
-    gl.VertexArrayElementBuffer(layout_.id(), indices_.id());
+  [[nodiscard]] static TriangleBuffers uploaded(Context& context, const PredistortionMesh& mesh, double longest_edge) {
+    if (!mesh.ok()) throw RenderingError("no predistortion mesh: " + std::string(describe(mesh.problem)));
+    detail::require_triangles(mesh.vertices.size(), mesh.triangles, mesh.resolution);
+    detail::require_on_panel(mesh.vertices);
+    HOLDFAST_ASSERT(longest_edge > 0.0, "edges have a length");
+    std::vector<PredistortionVertex> vertices = mesh.vertices;
+    std::vector<std::uint32_t> triangles = mesh.triangles;
+    detail::split_long_edges(vertices, triangles, static_cast<float>(longest_edge));
+    return {context, std::as_bytes(std::span(vertices)), sizeof(PredistortionVertex), triangles};
   }
-  void attribute(GLuint index, std::size_t offset) const {
-    const GlFunctions& gl = context_->gl();
-    gl.EnableVertexArrayAttrib(layout_.id(), index);
-    gl.VertexArrayAttribFormat(layout_.id(), index, 2, GL_FLOAT, GL_FALSE, static_cast<GLuint>(offset));
-    gl.VertexArrayAttribBinding(layout_.id(), index, 0);
+  [[nodiscard]] static TriangleBuffers uploaded(Context& context, const SeenMesh& mesh) {
+    detail::require_triangles(mesh.vertices.size(), mesh.triangles, mesh.resolution);
+    detail::require_finite(mesh.vertices);
+    return {context, std::as_bytes(std::span(mesh.vertices)), sizeof(SeenVertex), mesh.triangles};
   }
 
-  Context* context_;
   Kind kind_;
   bool per_colour_;
   PixelSize resolution_;
-  GlObject vertices_, indices_, layout_;
-  std::size_t vertex_count_ = 0;
-  GLsizei index_count_ = 0;
+  TriangleBuffers buffers_;
 };
 
 }  // namespace holdfast::rendering

@@ -1,7 +1,8 @@
-/// Everything of the io component: recordings, headset descriptors, meshes, results in JSON, pictures in PNG.
+/// Everything of the io component: recordings, headset descriptors, calibrated devices, meshes, results in JSON, pictures in PNG.
 #pragma once
 
 #include <holdfast/io/cardboard.hpp>
+#include <holdfast/io/device_file.hpp>
 #include <holdfast/io/hmd.hpp>
 #include <holdfast/io/image.hpp>
 #include <holdfast/io/input_error.hpp>

@@ -41,8 +41,8 @@ struct DeviceRecord {
   static constexpr int packed_size = Size * (Size + 1) / 2;
   VectorOf<double, Size> x = VectorOf<double, Size>::Zero();
   std::array<double, packed_size> P{};
-  HostTime last_sighting{};  ///< means something when `sightings` is not 0
-  std::uint32_t sightings = 0;
+  HostTime last_sighting = HostTime::min();  ///< of this run; min: none yet
+  std::uint32_t sightings = 0;               ///< of all runs
   std::uint8_t probation = 0;  ///< consistent sightings that are still wanted from it (innovation_gate.hpp)
   bool locked = false;
 };
@@ -120,7 +120,7 @@ class DeviceTable {
   }
   [[nodiscard]] std::uint32_t sightings(int i) const { return record(i).sightings; }
   [[nodiscard]] std::optional<HostTime> last_sighting(int i) const {
-    if (record(i).sightings == 0) return std::nullopt;
+    if (record(i).last_sighting == HostTime::min()) return std::nullopt;
     return record(i).last_sighting;
   }
 

@@ -12,8 +12,7 @@ function(run)
   set(run_output "${output}" PARENT_SCOPE)
 endfunction()
 
-list(JOIN FLAGS " " flags)
-set(common -G Ninja -DCMAKE_CXX_COMPILER=${COMPILER} "-DCMAKE_CXX_FLAGS=${flags}" -DMODE=${MODE})
+set(common -G Ninja -DCMAKE_CXX_COMPILER=${COMPILER} -DMODE=${MODE})
 set(consumer "${HOLDFAST_SOURCE}/tests/packaging/consumer")
 
 if(MODE STREQUAL "installed")

@@ -76,7 +76,7 @@ class PolarMesher {
   [[nodiscard]] double worst_px() const { return worst_px_; }
 
  private:
-  static constexpr double margin = 1.05;  ///< for the table's steps, bends within a triangle, and rounding to float
+  static constexpr double margin = 1.1;  ///< for the table's steps, bends within a triangle, and rounding to float
   static constexpr double share_across = 0.45;
   static constexpr std::uint32_t none = 0xffffffff;
 

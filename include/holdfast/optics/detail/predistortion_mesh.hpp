@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <holdfast/optics/detail/adaptive_mesher.hpp>
@@ -117,6 +118,37 @@ namespace detail {
   return std::max(found_px, std::ldexp(rounding, -24));
 }
 
+/// Whether the eye sees a triangle turned over, beyond what rounding to float does to slivers.
+[[nodiscard]] inline bool has_fold(const EyeModel& eye, const PredistortionMesh& mesh) {
+  const FieldTangents& t = eye.tangents;
+  const double upright = (t.right - t.left) * (t.up - t.down) > 0.0 ? 1.0 : -1.0;
+  const std::size_t colours = mesh.per_color ? 3 : 1;
+  for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
+    const PredistortionVertex& a = mesh.vertices[mesh.triangles[i]];
+    const PredistortionVertex& b = mesh.vertices[mesh.triangles[i + 1]];
+    const PredistortionVertex& c = mesh.vertices[mesh.triangles[i + 2]];
+    for (std::size_t k = 0; k < colours; ++k) {
+      const double px = b.tangent[k][0] - a.tangent[k][0], py = b.tangent[k][1] - a.tangent[k][1];
+      const double qx = c.tangent[k][0] - a.tangent[k][0], qy = c.tangent[k][1] - a.tangent[k][1];
+      if ((px * qy - py * qx) * upright < -1e-9) return true;
+    }
+  }
+  return false;
+}
+
+/// Rings and spokes; nothing where they do not suit, or do not keep the bound: near a pole of the lens, bisection may.
+[[nodiscard]] inline std::optional<PredistortionMesh> mesh_of_rings(const EyeModel& eye, const PanelLooker& looker,
+                                                                    const AdaptiveMeshOptions& options) {
+  const std::optional<RadialBend> bend = looker.bend();
+  if (!bend || !suits_rings(looker, *bend)) return std::nullopt;
+  PolarMesher mesher(looker, bend->groups().front(), options);
+  if (!mesher.build() || mesher.worst_px() > options.max_error_px * (1.0 + 1e-9)) return std::nullopt;
+  PredistortionMesh mesh = MeshAssembly(looker, eye).assemble(std::move(mesher).draft());
+  if (!mesh.ok() || has_fold(eye, mesh)) return std::nullopt;
+  mesh.max_error_px = stated_error_px(looker, mesh, mesher.worst_px());
+  return mesh;
+}
+
 }  // namespace detail
 
 inline PredistortionMesh adaptive_mesh(const EyeModel& eye, LensMode mode, const AdaptiveMeshOptions& options) {
@@ -136,13 +168,7 @@ inline PredistortionMesh adaptive_mesh(const EyeModel& eye, LensMode mode, const
     if (mesh.ok()) mesh.max_error_px = detail::stated_error_px(looker, mesh, 0.0);
     return mesh;
   }
-  if (const std::optional<detail::RadialBend> bend = looker.bend(); bend && detail::suits_rings(looker, *bend)) {
-    detail::PolarMesher mesher(looker, bend->groups().front(), options);
-    if (!mesher.build()) return detail::no_mesh(eye, MeshProblem::too_many_vertices);
-    PredistortionMesh mesh = detail::MeshAssembly(looker, eye).assemble(std::move(mesher).draft());
-    if (mesh.ok()) mesh.max_error_px = detail::stated_error_px(looker, mesh, mesher.worst_px());
-    return mesh;
-  }
+  if (std::optional<PredistortionMesh> mesh = detail::mesh_of_rings(eye, looker, options)) return *std::move(mesh);
   detail::AdaptiveMesher mesher(looker, eye.resolution, options);
   if (!mesher.refine()) return detail::no_mesh(eye, MeshProblem::too_many_vertices);
   detail::MeshDraft draft = mesher.draft();

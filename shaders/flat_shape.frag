@@ -1,6 +1,8 @@
 #version 450 core
 // Discs, rectangles and checkerboards with exact edges: how much of the pixel's square lies inside the outline is computed from
 // the outline's distance and direction, not sampled. Measured centroids and lines are then good to thousandths of a pixel.
+// Two pixels round the outline get the shape's depth, with no colour: a late warp by depth then moves all of a soft edge with the
+// shape, to where a linear look-up fades out. Cut at the outline's last pixel it would be off by a part of a pixel in each row.
 uniform mat3 plane_of_pixel;  // H: pixel (x, y, 1) -> (u, v, 1) / distance, with (u, v) the shape's own coordinates
 uniform int kind;             // 0 disc u^2 + v^2 < 1; 1 rectangle 0 < u, v < 1; 2 board: cells of side 1, 0 < (u, v) < cells
 uniform vec2 cells;           // kind 2
@@ -34,6 +36,15 @@ float inside(float f, vec2 g) {
   return half_plane_area(f / slope, g / slope);
 }
 
+const float rim_px = 2.0;
+
+// Pixels to the line where f = 0, positive inside.
+float pixels_inside(float f, vec2 g) { return f / max(length(g), 1e-15); }
+float pixels_inside_rectangle(vec2 size) {
+  return min(min(pixels_inside(q.x, gu), pixels_inside(size.x * q.z - q.x, size.x * gw - gu)),
+             min(pixels_inside(q.y, gv), pixels_inside(size.y * q.z - q.y, size.y * gw - gv)));
+}
+
 float rectangle(vec2 size) {
   float across = inside(q.x, gu) + inside(size.x * q.z - q.x, size.x * gw - gu) - 1.0;
   float along = inside(q.y, gv) + inside(size.y * q.z - q.y, size.y * gw - gv) - 1.0;
@@ -54,17 +65,21 @@ void main() {
   gv = vec2(plane_of_pixel[0].y, plane_of_pixel[1].y);
   gw = vec2(plane_of_pixel[0].z, plane_of_pixel[1].z);
 
-  float coverage;
+  float coverage, distance_px;
   vec3 shade = colour;
   if (kind == 0) {
     float radius = max(length(q.xy), 1e-20);
-    coverage = inside(q.z - radius, gw - (q.x * gu + q.y * gv) / radius);
+    vec2 gradient = gw - (q.x * gu + q.y * gv) / radius;
+    coverage = inside(q.z - radius, gradient);
+    distance_px = pixels_inside(q.z - radius, gradient);
   } else if (kind == 1) {
     coverage = rectangle(vec2(1.0));
+    distance_px = pixels_inside_rectangle(vec2(1.0));
   } else {
     coverage = rectangle(cells);
+    distance_px = pixels_inside_rectangle(cells);
     shade = mix(other_colour, colour, 0.5 + 0.5 * stripes(q.x, gu) * stripes(q.y, gv));
   }
-  if (coverage <= 0.0) discard;
+  if (coverage <= 0.0 && (distance_px < -rim_px || q.z <= 0.0)) discard;
   result = vec4(shade, coverage);
 }

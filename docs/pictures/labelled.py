@@ -48,12 +48,13 @@ def main():
                             f"<b>{html.escape(title)}</b>{html.escape('. ' + more if more else '')}</figcaption></figure>")
             page_file.write_text(f'<meta charset="utf-8"><style>{STYLE} main {{ grid-template-columns: repeat({columns}, 1fr); }}'
                                  f"</style><main>{figures}</main>")
-        with webdriver.Browser(width, 120) as page:
+        # A sheet's pictures are magnified layers, which Chromium is slow to draw beyond the window: it has room for them.
+        with webdriver.Browser(width, 862 if script else 120) as page:
             page.open(page_file.resolve().as_uri())
             if script:
                 page.run(*script)
             page.wait("return [...document.images].every((i) => i.complete)")
-            page.screenshot(os.fspath(out))
+            page.screenshot(os.fspath(out), full=script is None)
 
 
 if __name__ == "__main__":

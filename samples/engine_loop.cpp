@@ -6,16 +6,21 @@
 //   sample_engine_loop --live SECONDS [--draw-every 0]
 // --draw-every 0 draws nothing. --log writes a line of JSON per frame of the last row. --check: exit code 1 if a stage
 // makes things worse, or a picture disagrees. --live: real clock and a tracker's thread; prints each frame's record.
+// Exit code 2: wrong use, or no OpenGL to draw with.
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
+#include <exception>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <thread>
+#include <type_traits>
 #include <vector>
 
 #include <holdfast/holdfast.hpp>
@@ -326,9 +331,7 @@ Options parse(int argc, char** argv) {
   return options;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   const Options options = parse(argc, argv);
   const std::unique_ptr<Motion> motion = make_motion(options.motion);
   if (!motion) usage("no motion '" + options.motion + "'; there are M0 to M8");
@@ -358,4 +361,15 @@ int main(int argc, char** argv) {
   if (log != nullptr) std::fclose(log);
   const int wrong = print(all, figures, options);
   return options.check && wrong > 0 ? 1 : 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {  // no OpenGL, for one
+    std::fprintf(stderr, "sample_engine_loop: %s\n", error.what());
+    return 2;
+  }
 }

@@ -207,3 +207,20 @@ TEST_CASE("is_rotation tells rotations from other matrices") {
   with_nan(1, 1) = std::nan("");
   CHECK_FALSE(so3::is_rotation<double>(with_nan, 1e-6));
 }
+
+TEST_CASE("the shortest rotation between two directions") {
+  std::mt19937 random(21);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  for (int i = 0; i < 1000; ++i) {
+    const Vector3 a(normal(random), normal(random), normal(random));
+    const Vector3 other(normal(random), normal(random), normal(random));
+    // Every other pair nearly or exactly opposite.
+    const double off = i % 4 == 1 ? 0.0 : std::pow(10.0, -static_cast<double>(i % 17));
+    const Vector3 b = i % 2 == 0 ? other : Vector3(-2.0 * a + off * other);
+    const Quaternion q = so3::between<double>(a, b);
+    CHECK(q.norm() == doctest::Approx(1.0).epsilon(1e-14));
+    CHECK((q * a.normalized() - b.normalized()).norm() < 1e-14);
+    const double angle = std::atan2(a.cross(b).norm(), a.dot(b));
+    CHECK(std::abs(so3::log<double>(q).norm() - angle) < 1e-13);
+  }
+}

@@ -160,6 +160,29 @@ template <typename Scalar>
   return log<Scalar>(a.conjugate() * b).norm();
 }
 
+/// The shortest rotation R with R a along b; of opposite directions, one of the half turns. The lengths do not matter;
+/// precondition: neither is zero.
+template <typename Scalar>
+[[nodiscard]] QuaternionOf<Scalar> between(const VectorOf<Scalar, 3>& a, const VectorOf<Scalar, 3>& b) {
+  const VectorOf<Scalar, 3> from = a.normalized(), onto = b.normalized();
+  const Scalar cosine = from.dot(onto);
+  // Half the angle: its cosine and sine are those of the sum's direction, unless that is none.
+  if (cosine > Scalar(-0.999)) {
+    const VectorOf<Scalar, 3> axis = from.cross(onto);
+    return QuaternionOf<Scalar>(Scalar(1) + cosine, axis.x(), axis.y(), axis.z()).normalized();
+  }
+  // A half turn about what is square to both, made exactly square to the first, and the little that is left.
+  VectorOf<Scalar, 3> square = from.cross(onto);
+  if (square.norm() < Scalar(64) * std::numeric_limits<Scalar>::epsilon()) {
+    int least;
+    from.cwiseAbs().minCoeff(&least);
+    square = from.cross(VectorOf<Scalar, 3>::Unit(least));
+  }
+  square = (square.normalized() - from * from.dot(square.normalized())).normalized();
+  const QuaternionOf<Scalar> half_turn(Scalar(0), square.x(), square.y(), square.z());
+  return (between<Scalar>(-from, onto) * half_turn).normalized();
+}
+
 /// exp(s log(b a^-1)) a: constant-rate interpolation by the shorter way; s outside [0, 1] extrapolates at the same
 /// rate.
 template <typename Scalar>

@@ -31,7 +31,7 @@ struct CeilingPlacement {
 [[nodiscard]] inline Rigid upright_mount(std::span<const TimedPose> samples, const Vector3& up_R) {
   Vector3 up_D = Vector3::Zero();
   for (const TimedPose& sample : samples) up_D += sample.X_WB.q().conjugate() * up_R;
-  return Rigid::rotation(Quaternion::FromTwoVectors(Vector3::UnitZ(), up_D));
+  return Rigid::rotation(so3::between<double>(Vector3::UnitZ(), up_D));
 }
 
 /// The HiBall's poses X_WB; the samples hold X_RD.
@@ -39,7 +39,7 @@ struct CeilingPlacement {
                                                                 const CeilingPlacement& placement = {}) {
   HOLDFAST_ASSERT(!samples.empty(), "a motion needs a sample");
   const Rigid X_DB = placement.X_DB ? *placement.X_DB : upright_mount(samples, placement.up_R);
-  const Rigid turn = Rigid::rotation(Quaternion::FromTwoVectors(placement.up_R, placement.up_W));
+  const Rigid turn = Rigid::rotation(so3::between<double>(placement.up_R, placement.up_W));
   std::vector<TimedPose> placed(samples.begin(), samples.end());
   Vector3 mean = Vector3::Zero();
   for (TimedPose& pose : placed) {

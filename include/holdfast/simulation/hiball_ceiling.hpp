@@ -95,7 +95,7 @@ struct CeilingLayout {
 
 /// A ceiling's pose from its middle and the way up, of any length but zero.
 [[nodiscard]] inline Rigid ceiling_pose(const Vector3& middle_W, const Vector3& up_W) {
-  return Rigid(Quaternion::FromTwoVectors(Vector3::UnitZ(), up_W), middle_W);
+  return Rigid(so3::between<double>(Vector3::UnitZ(), up_W), middle_W);
 }
 
 }  // namespace holdfast

@@ -120,7 +120,8 @@ struct NormalEquations {
     Matrix6 damped = equations.A;
     damped.diagonal() *= 1.0 + damping;
     const Eigen::LDLT<Matrix6> solver(damped);
-    if (solver.info() != Eigen::Success || !solver.isPositive() || solver.rcond() < 1e-14) {
+    const Vector6 pivots = solver.vectorD();
+    if (!(pivots.minCoeff() > 1e-14 * pivots.maxCoeff())) {
       result.status = ResectionStatus::singular;
       return result;
     }

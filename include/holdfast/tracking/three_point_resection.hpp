@@ -3,16 +3,16 @@
 /// Grunert's solution (1841; Haralick et al., Review and analysis of solutions of the three point perspective pose
 /// estimation problem, 1994, section 2.1): with the triangle's sides a, b, c opposite to points 1, 2, 3, and the angles alpha, beta, gamma
 /// between directions 2 and 3, 1 and 3, 1 and 2, the distances s_1, s_2 = u s_1, s_3 = v s_1 follow from a quartic in v.
-/// Its roots are eigenvalues of the companion matrix; Newton's iteration on the law of cosines then removes their rounding.
+/// Its roots are found all at once (Durand & Kerner); Newton's iteration on the law of cosines then removes their rounding.
 /// Directions are unit vectors of the body's frame, all from its origin; points are in W, metres.
 /// Bad input: no poses for points on a line, directions that coincide, numbers that are not finite.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include <holdfast/geometry/rigid.hpp>
@@ -38,13 +38,29 @@ struct RealRoots {
   double largest = 0.0;
   for (const double value : k) largest = std::max(largest, std::abs(value));
   if (!(std::abs(k[4]) > 1e-12 * largest) || !std::isfinite(largest)) return roots;
-  Matrix4 companion = Matrix4::Zero();
-  for (int i = 0; i < 4; ++i) companion(0, i) = -k[static_cast<std::size_t>(3 - i)] / k[4];
-  for (int i = 1; i < 4; ++i) companion(i, i - 1) = 1.0;
-  const Eigen::EigenSolver<Matrix4> solver(companion, false);
-  if (solver.info() != Eigen::Success) return roots;
-  for (int i = 0; i < 4; ++i) {
-    const std::complex<double> root = solver.eigenvalues()[i];
+  // Durand and Kerner's iteration on all four at once, from points on no symmetric figure; it needs no derivative, and what
+  // it leaves at double roots the caller removes.
+  std::array<std::complex<double>, 4> z;
+  const double radius = 1.0 + largest / std::abs(k[4]);  // Cauchy: all roots are within
+  const std::complex<double> start(0.4, 0.9);
+  for (std::size_t i = 0; i < 4; ++i) z[i] = i == 0 ? std::complex<double>(std::min(radius, 2.0)) : z[i - 1] * start;
+  for (int iteration = 0; iteration < 100; ++iteration) {
+    double change = 0.0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      std::complex<double> value = k[4];
+      std::complex<double> others = k[4];
+      for (std::size_t j = 0; j < 4; ++j) {
+        value = value * z[i] + k[3 - j];
+        if (j != i) others *= z[i] - z[j];
+      }
+      const std::complex<double> step = value / others;
+      if (!std::isfinite(step.real()) || !std::isfinite(step.imag())) return roots;
+      z[i] -= step;
+      change = std::max(change, std::abs(step) / (1.0 + std::abs(z[i])));
+    }
+    if (change < 1e-14) break;
+  }
+  for (const std::complex<double>& root : z) {
     // A double root splits into a pair whose imaginary parts are the square root of rounding.
     if (std::abs(root.imag()) < 1e-4 * (1.0 + std::abs(root.real()))) {
       roots.x[static_cast<std::size_t>(roots.count++)] = root.real();

@@ -84,6 +84,33 @@ class DeviceSlot {
     return own_ != nullptr ? nullptr : &table_->record(index_).probation;
   }
 
+  /// What stands there, for those who take an update back (delayed_measurements.hpp). Locks stay as they are then.
+  struct Kept {
+    DeviceEstimate<Size> own;
+    DeviceRecord<Size> record;
+  };
+  /// Precondition of both: it exists.
+  [[nodiscard]] Kept keep() const {
+    Kept kept;
+    if (own_ != nullptr) {
+      kept.own = *own_;
+    } else {
+      kept.record = table_->record(index_);
+    }
+    return kept;
+  }
+  void put_back(const Kept& kept) const {
+    if (own_ != nullptr) {
+      own_->x = kept.own.x;
+      own_->P = kept.own.P;
+    } else {
+      DeviceRecord<Size>& record = table_->record(index_);
+      const bool locked = record.locked;
+      record = kept.record;
+      record.locked = locked;
+    }
+  }
+
  private:
   DeviceEstimate<Size>* own_ = nullptr;
   DeviceTable<Size>* table_ = nullptr;
@@ -100,6 +127,10 @@ class DeviceSlot<0> {
   [[nodiscard]] NoDevice load() const { return {}; }
   void store(const NoDevice& /*device*/, HostTime /*t*/) const {}
   [[nodiscard]] std::uint8_t* probation() const { return nullptr; }
+
+  struct Kept {};
+  [[nodiscard]] Kept keep() const { return {}; }
+  void put_back(const Kept& /*kept*/) const {}
 };
 
 /// How a filter finds its innovations: here by linearising (innovation.hpp).
@@ -111,6 +142,32 @@ struct ExtendedInnovation {
     return extended_innovation(state, measurement, source, sensor);
   }
 };
+
+namespace detail {
+
+/// Whether t is later than `from` by more than `longest`; t >= from. Without overflow, however far apart.
+[[nodiscard]] inline bool is_gap_too_long(HostTime from, HostTime t, Duration longest) {
+  const auto ticks = [](HostTime time) { return static_cast<std::uint64_t>(time.time_since_epoch().count()); };
+  return ticks(t) - ticks(from) > static_cast<std::uint64_t>(longest.count());
+}
+
+/// Why there is no innovation. Off the hot path, so the measurement is asked again.
+template <int Order, Measurement M>
+[[nodiscard]] UpdateStatus cause_of_no_innovation(const TargetState<Order>& state, const M& measurement,
+                                                  const DeviceEstimate<M::source_size>& source,
+                                                  const DeviceEstimate<M::sensor_size>& sensor) {
+  Linearization<M> linear;
+  if (!measurement.linearize(state, source.x, sensor.x, linear)) return UpdateStatus::cannot_be_seen;
+  const bool finite = linear.residual.allFinite() && linear.H.allFinite() && linear.H_source.allFinite() &&
+                      linear.H_sensor.allFinite() && linear.R.allFinite();
+  return finite && !is_noise<M::size>(linear.R) ? UpdateStatus::not_positive : UpdateStatus::not_finite;
+}
+
+}  // namespace detail
+
+/// Room for the residual of any measurement that filters take.
+inline constexpr int largest_measurement = 6;
+using WhitenedResidual = VectorOf<double, largest_measurement>;
 
 struct ScaatSettings {
   GateSettings gate;
@@ -161,6 +218,8 @@ class ScaatFilter {
   /// Normalised innovation squared of the last measurement that reached the gate, and its degrees of freedom.
   [[nodiscard]] double nis() const { return nis_; }
   [[nodiscard]] int nis_size() const { return nis_size_; }
+  /// Its whitened residual (Innovation::whitened), for a ResidualMonitor; numbers beyond nis_size() mean nothing.
+  [[nodiscard]] const WhitenedResidual& whitened() const { return whitened_; }
 
   [[nodiscard]] const UpdateCounters& counters() const { return counters_; }
   [[nodiscard]] const InnovationGate& gate() const { return gate_; }
@@ -172,18 +231,21 @@ class ScaatFilter {
   UpdateStatus try_update(HostTime t, const M& measurement, const DeviceSlot<M::source_size>& source,
                           const DeviceSlot<M::sensor_size>& sensor) {
     if (t < state().t) return UpdateStatus::time_backwards;
-    if (is_too_late(t)) return UpdateStatus::gap_too_long;
+    if (detail::is_gap_too_long(state().t, t, settings_.longest_gap)) return UpdateStatus::gap_too_long;
     if (!source.exists() || !sensor.exists()) return UpdateStatus::no_such_device;
 
     State& next = states_[1 - current_];
     if (!detail::advance_lower(state(), model_, t, next)) return UpdateStatus::not_finite;
+    if constexpr (M::state_size > 6) detail::mirror_lower<6 * Order>(next.P);  // C takes more than the pose's columns
     DeviceEstimate<M::source_size> source_estimate = source.load();
     DeviceEstimate<M::sensor_size> sensor_estimate = sensor.load();
     const auto innovation = innovate_(next, measurement, source_estimate, sensor_estimate);
-    if (!innovation) return cause(next, measurement, source_estimate, sensor_estimate);
+    if (!innovation) return detail::cause_of_no_innovation(next, measurement, source_estimate, sensor_estimate);
 
-    nis_ = innovation->nis();
+    const VectorOf<double, M::size> whitened = innovation->whitened();
+    nis_ = whitened.squaredNorm();
     nis_size_ = M::size;
+    whitened_.template head<M::size>() = whitened;
     std::uint8_t* probation = source.probation() != nullptr ? source.probation() : sensor.probation();
     const GateVerdict verdict = gate_.judge(nis_, M::size, probation);
     if (verdict == GateVerdict::rejected) return UpdateStatus::gated;
@@ -196,24 +258,6 @@ class ScaatFilter {
     return UpdateStatus::updated;
   }
 
-  /// Without overflow, however far apart the times.
-  [[nodiscard]] bool is_too_late(HostTime t) const {
-    const auto ticks = [](HostTime time) { return static_cast<std::uint64_t>(time.time_since_epoch().count()); };
-    return ticks(t) - ticks(state().t) > static_cast<std::uint64_t>(settings_.longest_gap.count());
-  }
-
-  /// Why there is no innovation. Off the hot path, so the measurement is asked again.
-  template <Measurement M>
-  [[nodiscard]] static UpdateStatus cause(const State& state, const M& measurement,
-                                          const DeviceEstimate<M::source_size>& source,
-                                          const DeviceEstimate<M::sensor_size>& sensor) {
-    Linearization<M> linear;
-    if (!measurement.linearize(state, source.x, sensor.x, linear)) return UpdateStatus::cannot_be_seen;
-    const bool finite = linear.residual.allFinite() && linear.H.allFinite() && linear.H_source.allFinite() &&
-                        linear.H_sensor.allFinite() && linear.R.allFinite();
-    return finite && !detail::is_noise<M::size>(linear.R) ? UpdateStatus::not_positive : UpdateStatus::not_finite;
-  }
-
   std::array<State, 2> states_;  ///< the one that counts, and where the next is tried
   std::size_t current_ = 0;
   ProcessModel<Order> model_;
@@ -223,6 +267,7 @@ class ScaatFilter {
   UpdateCounters counters_;
   double nis_ = 0.0;
   int nis_size_ = 0;
+  WhitenedResidual whitened_ = WhitenedResidual::Zero();
 };
 
 }  // namespace holdfast

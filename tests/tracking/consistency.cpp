@@ -311,18 +311,22 @@ Matched<Order> matched_model(double decay) {
   return matched;
 }
 
+// Sixteen means (NEES and NIS of four models and two sensors; both filters see the same noise) lie within their bounds
+// together with a probability of 95 %.
+constexpr double each_within = 1.0 - 0.05 / 16.0;
+
 template <int Order>
 void check_matched(const std::string& name, double decay) {
   const Matched<Order> matched = matched_model<Order>(decay);
   for (const bool unscented : {false, true}) {
     const auto check = [&](const std::string& sensor, const Consistency& result) {
-      const auto bounds = result.nees.bounds();
-      const auto nis_bounds = result.nis.bounds();
+      const auto bounds = result.nees.bounds(each_within);
+      const auto nis_bounds = result.nis.bounds(each_within);
       const std::string filter = unscented ? " unscented" : " extended";
-      MESSAGE(name, " ", sensor, filter, ": NEES ", result.nees.mean(), " in [", bounds.low, ", ", bounds.high,
-              "], NIS ", result.nis.mean(), " in [", nis_bounds.low, ", ", nis_bounds.high, "]");
-      CHECK(result.nees.consistent());
-      CHECK(result.nis.consistent());
+      INFO(name, " ", sensor, filter, ": NEES ", result.nees.mean(), " in [", bounds.low, ", ", bounds.high, "], NIS ",
+           result.nis.mean(), " in [", nis_bounds.low, ", ", nis_bounds.high, "]");
+      CHECK(result.nees.consistent(each_within));
+      CHECK(result.nis.consistent(each_within));
     };
     check("pose", simulate(matched, PoseSensor(), unscented, 1));
     check("sightings", simulate(matched, SightingSensor(), unscented, 2));
@@ -331,8 +335,8 @@ void check_matched(const std::string& name, double decay) {
 
 }  // namespace
 
-// Of 320 such means, over 40 seeds of 250 runs each, 18 lie outside: the 5 % that 95 % bounds promise.
-TEST_CASE("matched simulations: mean NEES and NIS lie within their 95 % bounds") {
+// Each within 95 % bounds of its own: of 320 such means, over 40 seeds of 250 runs each, 18 lay outside, as 5 % may.
+TEST_CASE("matched simulations: mean NEES and NIS lie within their joint 95 % bounds") {
   check_matched<2>("PV", 0.0);
   check_matched<2>("damped PV", 4.0);
   check_matched<3>("PVA", 0.0);

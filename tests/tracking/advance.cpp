@@ -77,7 +77,7 @@ void check_transition() {
   std::mt19937 random(7 + Order);
   for (int trial = 0; trial < 60; ++trial) {
     // From still to several turns a second, over steps of up to half a second: turns beyond pi as well.
-    const TargetState<Order> state = random_state<Order>(random, trial % 3 == 0 ? 1e-4 : 6.0);
+    const TargetState<Order> state = random_state<Order>(random, trial % 3 == 0 ? 1e-4 : trial % 3 == 1 ? 0.4 : 6.0);
     const ProcessModel<Order> model = random_model<Order>(random);
     const HostTime t = time_at(trial % 2 == 0 ? 0.001 : 0.5);
     TargetState<Order> carried = state;
@@ -103,7 +103,8 @@ void check_transition() {
       }
     }
     const typename TargetState<Order>::Covariance dense = F * state.P * F.transpose() + Q;
-    CHECK(relative_difference(carried.P, dense) < 1e-10);  // the floor adds 1e-12 of sums up to 30 times the variance
+    // A turn below a milliradian, here in a millisecond, has J off by 1e-7 of the 1e-3 s that multiply it.
+    CHECK(relative_difference(carried.P, dense) < 1e-9);
     CHECK(carried.P == carried.P.transpose());
 
     // The filter's own variant leaves the same lower triangle.

@@ -6,7 +6,8 @@
 /// `state_transition` is F as a matrix, for those who need it; `advance` never forms it: by blocks of 6 (pose, velocity,
 /// acceleration), whose chains are diagonal, only dphi's rows and columns need 3x3 matrices (002 section 4.5.2).
 /// Numerics: P comes out exactly symmetric, and positive definite if it came in so: each variance is raised by
-/// `rounding_floor` of the terms that it was summed from, far more than rounding can take away.
+/// `rounding_floor` of itself, far more than rounding can take away. (Where a sum cancels, what cancels has been raised by
+/// the step before.)
 /// Bad input: precondition t >= state.t. A turn that is no finite number is refused: false, and the state stays.
 #pragma once
 
@@ -38,21 +39,22 @@ struct SixChains {
 template <int Order>
 [[nodiscard]] SixChains<Order> six_chains(const ProcessModel<Order>& model, double dt) {
   SixChains<Order> chains;
-  const bool alike = (model.decay.array() == model.decay[0]).all();
-  for (int axis = 0; axis < 6; ++axis) {
-    const ChainStep<Order> unit = chain_step<Order>(1.0, model.decay[axis], dt);
+  ChainStep<Order> unit = chain_step<Order>(1.0, model.decay[0], dt);
+  for (std::size_t i = 0; i < Order; ++i) {
+    for (std::size_t j = i; j < Order; ++j) {
+      chains.A[i][j].setConstant(unit.A(i, j));
+      chains.Q[i][j] = unit.Q(i, j) * model.intensity;
+    }
+  }
+  for (int axis = 1; axis < 6; ++axis) {
+    if (model.decay[axis] == model.decay[0]) continue;
+    unit = chain_step<Order>(1.0, model.decay[axis], dt);
     for (std::size_t i = 0; i < Order; ++i) {
       for (std::size_t j = i; j < Order; ++j) {
-        if (alike) {
-          chains.A[i][j].setConstant(unit.A(i, j));
-          chains.Q[i][j] = unit.Q(i, j) * model.intensity;
-        } else {
-          chains.A[i][j][axis] = unit.A(i, j);
-          chains.Q[i][j][axis] = unit.Q(i, j) * model.intensity[axis];
-        }
+        chains.A[i][j][axis] = unit.A(i, j);
+        chains.Q[i][j][axis] = unit.Q(i, j) * model.intensity[axis];
       }
     }
-    if (alike) break;
   }
   return chains;
 }
@@ -61,49 +63,29 @@ template <int Order>
 template <int Order>
 [[nodiscard]] std::array<Vector6, Order> nominal_movement(const TargetState<Order>& state,
                                                           const SixChains<Order>& chains) {
-  std::array<Vector6, Order> from{};
-  from[0].setZero();
+  std::array<Vector6, Order> from;  // [0] is zero
   if constexpr (Order >= 2) from[1] << state.velocity.v_WB, state.velocity.w_WB_B;
   if constexpr (Order >= 3) from[2] << state.acceleration.a_WB, state.acceleration.alpha_WB_B;
-  std::array<Vector6, Order> to{};
+  std::array<Vector6, Order> to;
   for (std::size_t i = 0; i < Order; ++i) {
     to[i].setZero();
-    for (std::size_t j = i; j < Order; ++j) to[i] += chains.A[i][j].cwiseProduct(from[j]);
+    for (std::size_t j = std::max<std::size_t>(i, 1); j < Order; ++j) to[i] += chains.A[i][j].cwiseProduct(from[j]);
   }
   return to;
 }
 
-/// What F does to dphi: E dphi + sum over j >= 1 of N[j] (the j-th derivative's turns).
-template <int Order>
+/// What a step's turn does to dphi: E dphi + J v, where v is what the chains add to it. Of a turn below a milliradian J is
+/// (I + E) / 2 to a ten millionth, and half the work is saved: E (dphi + v/2) + v/2.
 struct TurnTransition {
-  double turn_squared;
-  Matrix3 E;
-  std::array<Matrix3, Order> N;
+  Matrix3 E;  ///< exp(-turn)
+  Matrix3 J;  ///< the turn's right Jacobian; not filled in when small
+  bool small;
 
-  TurnTransition(const Vector3& turn, const SixChains<Order>& chains) : turn_squared(turn.squaredNorm()) {
-    const double c = so3::detail::one_minus_cos_over_square(turn_squared);
-    const double k = so3::detail::angle_minus_sin_over_cube(turn_squared);
-    E = so3::detail::hat_polynomial<double>(turn_squared * k - 1.0, c, turn);  // exp(-turn)
-    const Matrix3 J = so3::detail::hat_polynomial<double>(-c, k, turn);        // its right Jacobian
-    for (std::size_t j = 1; j < Order; ++j) N[j] = J * chains.A[0][j].template tail<3>().asDiagonal();
+  TurnTransition(const Vector3& turn, const Quaternion& q_turn, double small_angle = 1e-3)
+      : E(q_turn.conjugate().toRotationMatrix()), small(turn.squaredNorm() < small_angle * small_angle) {
+    if (!small) J = so3::right_jacobian<double>(turn);
   }
 };
-
-/// What each variance after the step is summed from at most, were nothing to cancel: the scale of rounding errors.
-template <int Order>
-[[nodiscard]] VectorOf<double, 6 * Order> summed_variances(const MatrixOf<double, 6 * Order>& P,
-                                                           const SixChains<Order>& chains, double turn_squared) {
-  const VectorOf<double, 6 * Order> from = P.diagonal();
-  VectorOf<double, 6 * Order> to;
-  for (int i = 0; i < Order; ++i) {
-    Vector6 sum = chains.A[i][i].cwiseAbs2().cwiseProduct(from.template segment<6>(6 * i));
-    for (int j = i + 1; j < Order; ++j) sum += chains.A[i][j].cwiseAbs2().cwiseProduct(from.template segment<6>(6 * j));
-    to.template segment<6>(6 * i) = sum;
-  }
-  // What a turn brings from one axis to another.
-  to.template segment<3>(3).array() += std::min(1.0, turn_squared) * to.template segment<3>(3).sum();
-  return to;
-}
 
 /// Calls f(std::integral_constant<int, i>()) for i = 0 to Count - 1: a loop that is certainly unrolled.
 template <int Count, typename Function>
@@ -122,23 +104,29 @@ void mirror_lower(MatrixOf<double, Size>& P) {
   });
 }
 
-/// Column k of dphi in P F^T.
-template <int Order>
-[[nodiscard]] VectorOf<double, 6 * Order> turned_column(const MatrixOf<double, 6 * Order>& P,
-                                                        const TurnTransition<Order>& turns, int k) {
-  const Vector3 e = turns.E.row(k).transpose();
-  VectorOf<double, 6 * Order> column;
-  if constexpr (Order == 1) {
-    column = P.template middleCols<3>(3).lazyProduct(e);
-  } else {
-    const Vector3 n1 = turns.N[1].row(k).transpose();
-    column = P.template middleCols<3>(3).lazyProduct(e) + P.template middleCols<3>(9).lazyProduct(n1);
+/// The columns of dphi in P F^T, row by row. With `small` J's rows are not needed: E f + J v = E (f + v/2) + v/2.
+template <bool small, int Order>
+void turn_columns(const MatrixOf<double, 6 * Order>& from, const SixChains<Order>& chains, const TurnTransition& turn,
+                  MatrixOf<double, 6 * Order>& to) {
+  const Matrix3 E = turn.E;
+  const Matrix3 J = turn.J;
+  double a[Order][3];
+  for (std::size_t j = 1; j < Order; ++j) {
+    for (int k = 0; k < 3; ++k) a[j][k] = (small ? 0.5 : 1.0) * chains.A[0][j][3 + k];
   }
-  if constexpr (Order == 3) {
-    const Vector3 n2 = turns.N[2].row(k).transpose();
-    column += P.template middleCols<3>(15).lazyProduct(n2);
+  for (int i = 0; i < 6 * Order; ++i) {
+    double f[3], v[3];
+    for (int k = 0; k < 3; ++k) {
+      f[k] = from(i, 3 + k);
+      v[k] = Order >= 2 ? a[1][k] * from(i, 9 + k) : 0.0;
+      if constexpr (Order == 3) v[k] += a[2][k] * from(i, 15 + k);
+      if (small) f[k] += v[k];
+    }
+    for (int k = 0; k < 3; ++k) {
+      const double turned = E(k, 0) * f[0] + E(k, 1) * f[1] + E(k, 2) * f[2];
+      to(i, 3 + k) = turned + (small ? v[k] : J(k, 0) * v[0] + J(k, 1) * v[1] + J(k, 2) * v[2]);
+    }
   }
-  return column;
 }
 
 /// The blocks of velocity and acceleration: these chains do not turn.
@@ -162,27 +150,30 @@ void carry_derivatives(const MatrixOf<double, 6 * Order>& from, const SixChains<
 }
 
 /// The lower triangle of F P F^T + Q, and all of its block of the pose. F is upper triangular in blocks of 6, and but for
-/// the turns these are diagonal. Columns first, then those rows that are needed. `to` may be `from`.
+/// the turns these are diagonal. Columns first, then those rows that are needed. `to` is not `from`.
 template <int Order>
-void carry_lower(const MatrixOf<double, 6 * Order>& from, const SixChains<Order>& chains,
-                 const TurnTransition<Order>& turns, MatrixOf<double, 6 * Order>& to) {
-  const VectorOf<double, 6 * Order> floor = rounding_floor * summed_variances<Order>(from, chains, turns.turn_squared);
-
-  const VectorOf<double, 6 * Order> turned[3] = {turned_column(from, turns, 0), turned_column(from, turns, 1),
-                                                 turned_column(from, turns, 2)};
+void carry_lower(const MatrixOf<double, 6 * Order>& from, const SixChains<Order>& chains, const TurnTransition& turn,
+                 MatrixOf<double, 6 * Order>& to) {
   for (int k = 0; k < 3; ++k) {
     if constexpr (Order == 1) to.col(k) = from.col(k);
     if constexpr (Order >= 2) to.col(k) = from.col(k) + chains.A[0][1][k] * from.col(6 + k);
     if constexpr (Order == 3) to.col(k) += chains.A[0][2][k] * from.col(12 + k);
-    to.col(3 + k) = turned[k];
   }
+  turn.small ? turn_columns<true, Order>(from, chains, turn, to) : turn_columns<false, Order>(from, chains, turn, to);
 
   unrolled<3>([&]<int k>(std::integral_constant<int, k>) {
-    VectorOf<double, 3 - k> rows = turns.E.template bottomRows<3 - k>().lazyProduct(turned[k].template segment<3>(3));
-    for (int j = 1; j < Order; ++j) {
-      rows += turns.N[j].template bottomRows<3 - k>().lazyProduct(turned[k].template segment<3>(6 * j + 3));
+    Vector3 f = to.template block<3, 1>(3, 3 + k);
+    Vector3 v = Vector3::Zero();
+    if constexpr (Order >= 2) v = chains.A[0][1].template tail<3>().cwiseProduct(to.template block<3, 1>(9, 3 + k));
+    if constexpr (Order == 3) v += chains.A[0][2].template tail<3>().cwiseProduct(to.template block<3, 1>(15, 3 + k));
+    auto rows = to.template block<3 - k, 1>(3 + k, 3 + k);
+    if (turn.small) {
+      v *= 0.5;
+      f += v;
+      rows = turn.E.template bottomRows<3 - k>().lazyProduct(f) + v.template tail<3 - k>();
+    } else {
+      rows = turn.E.template bottomRows<3 - k>().lazyProduct(f) + turn.J.template bottomRows<3 - k>().lazyProduct(v);
     }
-    to.col(3 + k).template segment<3 - k>(3 + k) = rows;
   });
   for (int j = 1; j < Order; ++j) {
     to.template block<3, 6>(0, 0) += chains.A[0][j].template head<3>().asDiagonal() * to.template block<3, 6>(6 * j, 0);
@@ -198,7 +189,14 @@ void carry_lower(const MatrixOf<double, 6 * Order>& from, const SixChains<Order>
   for (int i = 0; i < Order; ++i) {
     for (int j = i; j < Order; ++j) to.template block<6, 6>(6 * j, 6 * i).diagonal() += chains.Q[i][j];
   }
-  to.diagonal() += floor;
+  to.diagonal() *= 1.0 + rounding_floor;
+  if (!turn.small) {  // what a turn brings from one axis to another may cancel
+    double summed = from.template block<3, 3>(3, 3).trace();
+    for (int j = 1; j < Order; ++j) {
+      summed += chains.A[0][j].template tail<3>().cwiseAbs2().dot(from.diagonal().template segment<3>(6 * j + 3));
+    }
+    to.diagonal().template segment<3>(3).array() += rounding_floor * summed;
+  }
   mirror_lower<6 * Order, 6>(to);
 }
 
@@ -209,19 +207,22 @@ template <int Order>
 [[nodiscard]] typename TargetState<Order>::Covariance state_transition(const TargetState<Order>& state,
                                                                        const ProcessModel<Order>& model, HostTime t) {
   const detail::SixChains<Order> chains = detail::six_chains(model, to_seconds(t - state.t));
-  const detail::TurnTransition<Order> turns(detail::nominal_movement(state, chains)[0].template tail<3>(), chains);
+  const Vector3 angle = detail::nominal_movement(state, chains)[0].template tail<3>();
+  const detail::TurnTransition turn(angle, so3::exp<double>(angle), 0.0);
   typename TargetState<Order>::Covariance F = TargetState<Order>::Covariance::Zero();
   for (int i = 0; i < Order; ++i) {
     for (int j = i; j < Order; ++j) F.template block<6, 6>(6 * i, 6 * j).diagonal() = chains.A[i][j];
   }
-  F.template block<3, 3>(3, 3) = turns.E;
-  for (int j = 1; j < Order; ++j) F.template block<3, 3>(3, 6 * j + 3) = turns.N[j];
+  F.template block<3, 3>(3, 3) = turn.E;
+  for (int j = 1; j < Order; ++j) {
+    F.template block<3, 3>(3, 6 * j + 3) = turn.J * chains.A[0][j].template tail<3>().asDiagonal();
+  }
   return F;
 }
 
 namespace detail {
 
-/// `advance` from one state to another (which may be the same), but for the upper triangle of P beyond the pose's block:
+/// `advance` from one state to another (not the same), but for the upper triangle of P beyond the pose's block:
 /// for those who correct it next (innovation.hpp), which fills it in.
 template <int Order>
 bool advance_lower(const TargetState<Order>& from, const ProcessModel<Order>& model, HostTime t,
@@ -231,8 +232,9 @@ bool advance_lower(const TargetState<Order>& from, const ProcessModel<Order>& mo
   const std::array<Vector6, Order> movement = nominal_movement(from, chains);
   const Vector3 turn = movement[0].template tail<3>();
   if (!(turn.squaredNorm() < std::numeric_limits<double>::max())) return false;
-  carry_lower<Order>(from.P, chains, TurnTransition<Order>(turn, chains), to.P);
-  to.X_WB = Rigid(from.X_WB.q() * so3::exp<double>(turn), from.X_WB.p() + movement[0].template head<3>());
+  const Quaternion q_turn = so3::exp<double>(turn);
+  carry_lower<Order>(from.P, chains, TurnTransition(turn, q_turn), to.P);
+  to.X_WB = Rigid(from.X_WB.q() * q_turn, from.X_WB.p() + movement[0].template head<3>());
   if constexpr (Order >= 2) {
     to.velocity.v_WB = movement[1].template head<3>();
     to.velocity.w_WB_B = movement[1].template tail<3>();
@@ -250,7 +252,8 @@ bool advance_lower(const TargetState<Order>& from, const ProcessModel<Order>& mo
 template <int Order>
 bool advance(TargetState<Order>& state, const ProcessModel<Order>& model, HostTime t) {
   if (t == state.t) return true;
-  if (!detail::advance_lower(state, model, t, state)) return false;
+  const TargetState<Order> from = state;
+  if (!detail::advance_lower(from, model, t, state)) return false;
   detail::mirror_lower<6 * Order>(state.P);
   return true;
 }

@@ -57,9 +57,9 @@ template <int Rows, int Size>
                                                        const MatrixOf<double, Size>& L) {
   MatrixOf<double, Rows, Size> G;
   for (int k = 0; k < Size; ++k) {
-    G.col(k) = X.col(k);
-    for (int j = 0; j < k; ++j) G.col(k) -= L(k, j) * G.col(j);
-    G.col(k) *= 1.0 / L(k, k);
+    const double scale = 1.0 / L(k, k);
+    G.col(k) = scale * X.col(k);
+    for (int j = 0; j < k; ++j) G.col(k) -= (scale * L(k, j)) * G.col(j);
   }
   return G;
 }
@@ -97,8 +97,15 @@ template <int Size>
 /// Adds H C, where C = P H^T, to S; and the floor of what its diagonal is summed from.
 template <int Size, typename Jacobian, typename Covariances, typename Variances>
 void add_to_innovation(MatrixOf<double, Size>& S, const Jacobian& H, const Covariances& C, const Variances& variances) {
-  S += H.lazyProduct(C);
-  S.diagonal() += rounding_floor * H.cwiseAbs2().lazyProduct(variances);
+  MatrixOf<double, Size> sum = S;
+  VectorOf<double, Size> floor = VectorOf<double, Size>::Zero();
+  unrolled<Jacobian::ColsAtCompileTime>([&]<int j>(std::integral_constant<int, j>) {
+    const VectorOf<double, Size> h = H.col(j);
+    for (int k = 0; k < Size; ++k) sum.col(k) += C(j, k) * h;
+    floor += variances[j] * h.cwiseAbs2();
+  });
+  S = sum;
+  S.diagonal() += rounding_floor * floor;
 }
 
 }  // namespace detail
@@ -111,6 +118,7 @@ struct Innovation {
   MatrixOf<double, 6 * Order, M::size> C;  ///< covariance of the target's error with the measurement
   MatrixOf<double, M::source_size, M::size> C_source;
   MatrixOf<double, M::sensor_size, M::size> C_sensor;
+  VectorOf<double, M::size> whitened_residual;  ///< L^-1 y, by `factorise`
 
   Innovation() {}  // numbers are filled in, not zeroed first
 
@@ -120,13 +128,12 @@ struct Innovation {
     for (int j = 0; j < M::size; ++j) {
       for (int i = j + 1; i < M::size; ++i) S(j, i) = S(i, j);
     }
+    whitened_residual = detail::substituted<1, M::size>(residual.transpose(), L).transpose();
     return nis() < std::numeric_limits<double>::max();
   }
 
   /// L^-1 y: independent, each of variance 1 when all is as modelled.
-  [[nodiscard]] VectorOf<double, M::size> whitened() const {
-    return detail::substituted<1, M::size>(residual.transpose(), L).transpose();
-  }
+  [[nodiscard]] const VectorOf<double, M::size>& whitened() const { return whitened_residual; }
 
   /// Normalised innovation squared, y^T S^-1 y: chi-square with `size` degrees of freedom when all is as modelled.
   [[nodiscard]] double nis() const { return whitened().squaredNorm(); }
@@ -137,36 +144,45 @@ struct Innovation {
   }
 };
 
+namespace detail {
+
+/// extended_innovation in place; false when there is none.
+template <int Order, Measurement M>
+[[nodiscard]] bool fill_innovation(const TargetState<Order>& state, const M& measurement,
+                                   const DeviceEstimate<M::source_size>& source,
+                                   const DeviceEstimate<M::sensor_size>& sensor, Innovation<Order, M>& innovation) {
+  Linearization<M> linear;
+  if (!measurement.linearize(state, source.x, sensor.x, linear) || !is_noise<M::size>(linear.R)) return false;
+  innovation.residual = linear.residual;
+  innovation.S = linear.R;
+  unrolled<M::size>([&]<int k>(std::integral_constant<int, k>) {
+    const VectorOf<double, M::state_size> h = linear.H.row(k).transpose();
+    innovation.C.col(k) = state.P.template leftCols<M::state_size>().lazyProduct(h);
+  });
+  add_to_innovation(innovation.S, linear.H, innovation.C.template topRows<M::state_size>(),
+                    state.P.diagonal().template head<M::state_size>());
+  const auto add_device = [&](const auto& device, const auto& H, auto& C) {
+    constexpr int size = std::decay_t<decltype(device)>::size;
+    if constexpr (size > 0) {
+      C = device.P.lazyProduct(H.transpose());
+      const MatrixOf<double, size, M::size> C_with_rest = C + device.residual_variance.asDiagonal() * H.transpose();
+      add_to_innovation(innovation.S, H, C_with_rest, device.P.diagonal());
+    }
+  };
+  add_device(source, linear.H_source, innovation.C_source);
+  add_device(sensor, linear.H_sensor, innovation.C_sensor);
+  return innovation.factorise();
+}
+
+}  // namespace detail
+
 template <int Order, Measurement M>
 [[nodiscard]] std::optional<Innovation<Order, M>> extended_innovation(
     const TargetState<Order>& state, const M& measurement, const DeviceEstimate<M::source_size>& source,
     const DeviceEstimate<M::sensor_size>& sensor = {}) {
   static_assert(M::state_size <= 6 * Order, "the filter keeps too few derivatives for this measurement");
-  std::optional<Innovation<Order, M>> answer;
-  Linearization<M> linear;
-  if (!measurement.linearize(state, source.x, sensor.x, linear)) return answer;
-  if (!detail::is_noise<M::size>(linear.R)) return answer;
-  Innovation<Order, M>& innovation = answer.emplace();
-  innovation.residual = linear.residual;
-  innovation.S = linear.R;
-  detail::unrolled<M::size>([&]<int k>(std::integral_constant<int, k>) {
-    const VectorOf<double, M::state_size> h = linear.H.row(k).transpose();
-    innovation.C.col(k) = state.P.template leftCols<M::state_size>().lazyProduct(h);
-  });
-  detail::add_to_innovation(innovation.S, linear.H, innovation.C.template topRows<M::state_size>(),
-                            state.P.diagonal().template head<M::state_size>());
-  const auto add_device = [&](const auto& device, const auto& H, auto& C) {
-    constexpr int size = std::decay_t<decltype(device)>::size;
-    if constexpr (size > 0) {
-      C.noalias() = device.P * H.transpose();
-      const VectorOf<double, size> residual_variance = device.residual_variance;
-      const MatrixOf<double, size, M::size> C_with_rest = C + residual_variance.asDiagonal() * H.transpose();
-      detail::add_to_innovation(innovation.S, H, C_with_rest, device.P.diagonal());
-    }
-  };
-  add_device(source, linear.H_source, innovation.C_source);
-  add_device(sensor, linear.H_sensor, innovation.C_sensor);
-  if (!innovation.factorise()) answer.reset();
+  std::optional<Innovation<Order, M>> answer(std::in_place);
+  if (!detail::fill_innovation(state, measurement, source, sensor, *answer)) answer.reset();
   return answer;
 }
 
@@ -179,7 +195,7 @@ bool correct(TargetState<Order>& state, const Innovation<Order, M>& innovation, 
              DeviceEstimate<M::sensor_size>& sensor) {
   const MatrixOf<double, 6 * Order, M::size> G = detail::substituted<6 * Order, M::size>(innovation.C, innovation.L);
   const VectorOf<double, M::size> whitened = innovation.whitened();
-  const typename TargetState<Order>::Error d = G * whitened;
+  const typename TargetState<Order>::Error d = G.lazyProduct(whitened);
   if (!(d.squaredNorm() < largest_correction * largest_correction)) return false;
   detail::downdate<6 * Order, M::size>(state.P, G);
   state.add(d);

@@ -10,6 +10,7 @@
 #include "interruption.hpp"
 #include "lens_command.hpp"
 #include "options.hpp"
+#include "track_command.hpp"
 
 namespace {
 
@@ -42,6 +43,7 @@ int main(int argc, char** argv) {
   swimlab::add_predict_command(app, exit_code);
   swimlab::add_latency_command(app, exit_code);
   swimlab::add_lens_command(app, exit_code);
+  swimlab::add_track_command(app, exit_code);
   try {
     app.parse(argc, argv);
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) return complain("standard output cannot be written");
@@ -49,7 +51,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     if (argc > 1 && argv[1][0] != '-' && app.get_subcommands().empty()) {
-      return complain("unknown command '" + std::string(argv[1]) + "'; expected run, predict, latency or lens");
+      return complain("unknown command '" + std::string(argv[1]) + "'; expected run, predict, latency, lens or track");
     }
     complain(error.what());
     std::fprintf(stderr, "Try: swimlab %s--help\n",

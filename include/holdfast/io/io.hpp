@@ -10,4 +10,5 @@
 #include <holdfast/io/osvr.hpp>
 #include <holdfast/io/png.hpp>
 #include <holdfast/io/results.hpp>
+#include <holdfast/io/track_results.hpp>
 #include <holdfast/io/trajectory.hpp>

@@ -20,4 +20,8 @@
 #include <holdfast/registration/shown_point.hpp>
 #include <holdfast/registration/swim.hpp>
 #include <holdfast/registration/theory.hpp>
+#include <holdfast/registration/three_point_error.hpp>
+#include <holdfast/registration/track_experiment.hpp>
+#include <holdfast/registration/track_methods.hpp>
+#include <holdfast/registration/track_output.hpp>
 #include <holdfast/registration/view_coverage.hpp>

@@ -7,5 +7,6 @@
 #include <holdfast/simulation/hiball_ceiling.hpp>
 #include <holdfast/simulation/hiball_rig.hpp>
 #include <holdfast/simulation/hiball_sightings.hpp>
+#include <holdfast/simulation/hiball_trackers.hpp>
 #include <holdfast/simulation/keyed_numbers.hpp>
 #include <holdfast/simulation/sighting_stream.hpp>

@@ -1,0 +1,187 @@
+/// Runs methods of tracking (track_methods.hpp) over the same sightings of a simulated HiBall, and says how far off they
+/// were (002 chapter 6).
+///
+/// All start from the true pose, and take it as known to `StartKnowledge`. That matters: who learns beacons learns them
+/// relative to where it takes itself to be, and what it starts with is all that ties both to the world, but for the mean
+/// of the design (the gauge freedom of 002 5.1.4). Errors are counted at each
+/// estimate's own time (002 6.2.2): a method that estimates every 10 ms is not charged for being silent in between. `observe`
+/// sees what a user would, the newest estimate after each sighting.
+/// NEES and NIS are means per degree of freedom (1 is consistent, above is too sure): NEES of all 12 numbers at every 20th
+/// estimate, NIS of every sighting that reached the gate.
+/// Beacon errors are RMS over beacons, of those that the method saw at all and of those it saw 20 times or more, and what the
+/// design's error is for the same ones.
+/// `microseconds_per_update` is the time spent in the tracker by estimate, of one thread on the machine at hand.
+/// Bad input: an empty stream gives rows of zeros.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <holdfast/registration/three_point_error.hpp>
+#include <holdfast/registration/track_methods.hpp>
+#include <holdfast/simulation/hiball_trackers.hpp>
+#include <holdfast/tracking/consistency.hpp>
+
+namespace holdfast {
+
+/// m, RMS over beacons.
+struct BeaconErrors {
+  struct Group {
+    int beacons = 0;
+    double before = 0.0, after = 0.0;
+  };
+  Group seen, seen_often;
+  static constexpr unsigned often = 20;
+};
+
+struct TrackRow {
+  TrackMethod method = TrackMethod::scaat;
+  ThreePointError three_point;  ///< m
+  RmsAndPeak position;          ///< m
+  RmsAndPeak angle;             ///< rad
+  long sightings = 0;           ///< given to the method
+  long updates = 0;             ///< estimates
+  long accepted = 0;            ///< sightings that estimates were made of
+  long gated = 0;               ///< turned away by the gate
+  double microseconds_per_update = 0.0;
+  std::optional<BeaconErrors> beacons;  ///< of methods that learn them
+  double nees = std::numeric_limits<double>::quiet_NaN();
+  double nis = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// After a sighting: its time, the newest estimate, the truth at that time, whether the estimate is new.
+struct TrackMoment {
+  const BeaconSighting& sighting;
+  const HiBallTracker& tracker;
+  Rigid X_WB;
+  bool fresh;
+};
+using TrackObserver = std::function<void(const TrackMoment&)>;
+
+[[nodiscard]] inline TargetState<2> true_target_state(const Motion& truth, HostTime t) {
+  const MotionState at = truth.at(t);
+  TargetState<2> state;
+  state.t = t;
+  state.X_WB = at.X_WB;
+  state.velocity = {at.v_WB, at.w_WB_B};
+  return state;
+}
+
+/// How well a tracker knows where it starts.
+struct StartKnowledge {
+  double pose = 1e-4;     ///< standard deviation, m and rad an axis; the start itself is the truth
+  double velocity = 0.3;  ///< of a rest that is assumed, m/s and rad/s an axis
+};
+
+[[nodiscard]] inline TargetState<2> starting_state(const Motion& truth, HostTime t, const StartKnowledge& known = {}) {
+  TargetState<2> state;
+  state.t = t;
+  state.X_WB = truth.at(t).X_WB;
+  state.P.setZero();
+  state.P.diagonal() << Vector6::Constant(known.pose * known.pose), Vector6::Constant(known.velocity * known.velocity);
+  return state;
+}
+
+[[nodiscard]] inline BeaconErrors beacon_errors(const HiBallRig& rig, const DeviceTable<3>& beacons) {
+  const auto group = [&](unsigned least) {
+    BeaconErrors::Group g;
+    for (int i = 0; i < beacons.size(); ++i) {
+      if (beacons.sightings(i) < least) continue;
+      const Vector3& true_W = rig.beacons_W[static_cast<std::size_t>(i)];
+      g.before += (rig.nominal_beacons_W[static_cast<std::size_t>(i)] - true_W).squaredNorm();
+      g.after += (beacons.at(i).x - true_W).squaredNorm();
+      ++g.beacons;
+    }
+    const double n = std::max(1, g.beacons);
+    g.before = std::sqrt(g.before / n);
+    g.after = std::sqrt(g.after / n);
+    return g;
+  };
+  return {group(1), group(BeaconErrors::often)};
+}
+
+/// A tracker that starts from a state. `rig` and `beacons` must outlive it.
+[[nodiscard]] inline std::unique_ptr<HiBallTracker> make_tracker(TrackMethod method, const TrackParameters& parameters,
+                                                                 const HiBallRig& rig, DeviceTable<3>& beacons,
+                                                                 const TargetState<2>& start) {
+  if (is_scaat(method)) {
+    ScaatSettings settings;
+    settings.gate = parameters.gate;
+    return std::make_unique<ScaatTracker>(rig, beacons, start, parameters.process, settings);
+  }
+  if (method == TrackMethod::collinearity10) {
+    return std::make_unique<ResectionTracker>(rig, beacons, start.X_WB, parameters.window);
+  }
+  return std::make_unique<McaatTracker>(rig, beacons, start, parameters.process, parameters.window);
+}
+
+/// Gives a tracker the sightings, and judges it.
+inline TrackRow run_tracker(HiBallTracker& tracker, std::span<const BeaconSighting> stream, const Motion& truth,
+                            const TrackObserver& observe = {}) {
+  using Clock = std::chrono::steady_clock;
+  TrackRow row;
+  Clock::duration spent{};
+  ConsistencyMean nees_mean(12), nis_mean(2);
+  for (const BeaconSighting& sighting : stream) {
+    const Clock::time_point begin = Clock::now();
+    const bool fresh = tracker.add(sighting);
+    spent += Clock::now() - begin;
+    row.gated += tracker.turned_away();
+    nis_mean.add(tracker.nis());
+    const Rigid X_WB = truth.at(sighting.t).X_WB;
+    if (fresh) {
+      row.three_point.add(tracker.X_WB(), X_WB);
+      row.position.add((tracker.X_WB().p() - X_WB.p()).norm());
+      row.angle.add(so3::angle_between(tracker.X_WB().q(), X_WB.q()));
+      if (tracker.state() != nullptr && row.updates % 20 == 0) {
+        nees_mean.add(holdfast::nees(*tracker.state(), true_target_state(truth, sighting.t)));
+      }
+      ++row.updates;
+    }
+    if (observe) observe({sighting, tracker, X_WB, fresh});
+  }
+  row.sightings = static_cast<long>(stream.size());
+  if (row.updates > 0) {
+    row.microseconds_per_update =
+        std::chrono::duration<double, std::micro>(spent).count() / static_cast<double>(row.updates);
+  }
+  row.nees = nees_mean.mean() / nees_mean.expected();
+  row.nis = nis_mean.mean() / nis_mean.expected();
+  return row;
+}
+
+/// One method over a stream. `beacons` goes in as `beacon_table` makes it, or, for the second run, as the first left it.
+[[nodiscard]] inline TrackRow run_method(TrackMethod method, const TrackParameters& parameters, const HiBallRig& rig,
+                                         const Motion& truth, std::span<const BeaconSighting> stream,
+                                         DeviceTable<3>& beacons, const TrackObserver& observe = {},
+                                         const StartKnowledge& known = {}) {
+  TrackRow row;
+  if (!stream.empty()) {
+    const auto tracker = make_tracker(method, parameters, rig, beacons, starting_state(truth, stream.front().t, known));
+    row = run_tracker(*tracker, stream, truth, observe);
+    row.accepted = row.updates * parameters.window.size;
+  }
+  row.method = method;
+  if (parameters.autocalibrate) row.beacons = beacon_errors(rig, beacons);
+  return row;
+}
+
+/// One method over a stream from the designed beacons on; the second run does the first before.
+[[nodiscard]] inline TrackRow run_method(TrackMethod method, const TrackParameters& parameters, const HiBallRig& rig,
+                                         const Motion& truth, std::span<const BeaconSighting> stream,
+                                         const TrackObserver& observe = {}, const StartKnowledge& known = {}) {
+  DeviceTable<3> beacons = beacon_table(rig, parameters.beacons, parameters.autocalibrate);
+  if (method == TrackMethod::scaat_autocal_2) {
+    (void)run_method(TrackMethod::scaat_autocal, parameters, rig, truth, stream, beacons, {}, known);
+  }
+  return run_method(method, parameters, rig, truth, stream, beacons, observe, known);
+}
+
+}  // namespace holdfast

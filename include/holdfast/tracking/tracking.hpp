@@ -12,6 +12,7 @@
 #include <holdfast/tracking/chi_square.hpp>
 #include <holdfast/tracking/collinearity.hpp>
 #include <holdfast/tracking/consistency.hpp>
+#include <holdfast/tracking/delayed_measurements.hpp>
 #include <holdfast/tracking/deviation_table.hpp>
 #include <holdfast/tracking/device_estimate.hpp>
 #include <holdfast/tracking/device_table.hpp>
@@ -23,6 +24,9 @@
 #include <holdfast/tracking/joint_angles.hpp>
 #include <holdfast/tracking/mcaat_filter.hpp>
 #include <holdfast/tracking/measurement.hpp>
+#include <holdfast/tracking/measurement_ordering.hpp>
+#include <holdfast/tracking/multiple_models.hpp>
+#include <holdfast/tracking/observability.hpp>
 #include <holdfast/tracking/observation_window.hpp>
 #include <holdfast/tracking/phase_range.hpp>
 #include <holdfast/tracking/pinhole_sighting.hpp>
@@ -31,6 +35,7 @@
 #include <holdfast/tracking/pose_measurement.hpp>
 #include <holdfast/tracking/process_model.hpp>
 #include <holdfast/tracking/range.hpp>
+#include <holdfast/tracking/residual_monitor.hpp>
 #include <holdfast/tracking/scaat_filter.hpp>
 #include <holdfast/tracking/sighting_noise.hpp>
 #include <holdfast/tracking/space_resection.hpp>

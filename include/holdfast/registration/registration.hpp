@@ -1,4 +1,4 @@
-/// Everything of registration/.
+/// Everything of registration/, but for the comparison of trackers (track_experiment.hpp), which takes long to compile.
 #pragma once
 
 #include <holdfast/registration/effective_latency.hpp>
@@ -21,7 +21,4 @@
 #include <holdfast/registration/swim.hpp>
 #include <holdfast/registration/theory.hpp>
 #include <holdfast/registration/three_point_error.hpp>
-#include <holdfast/registration/track_experiment.hpp>
-#include <holdfast/registration/track_methods.hpp>
-#include <holdfast/registration/track_output.hpp>
 #include <holdfast/registration/view_coverage.hpp>

@@ -1,4 +1,4 @@
-/// Everything of simulation/.
+/// Everything of simulation/, but for the trackers that are compared (hiball_trackers.hpp), which take long to compile.
 #pragma once
 
 #include <holdfast/simulation/ceiling_footprint.hpp>
@@ -7,6 +7,5 @@
 #include <holdfast/simulation/hiball_ceiling.hpp>
 #include <holdfast/simulation/hiball_rig.hpp>
 #include <holdfast/simulation/hiball_sightings.hpp>
-#include <holdfast/simulation/hiball_trackers.hpp>
 #include <holdfast/simulation/keyed_numbers.hpp>
 #include <holdfast/simulation/sighting_stream.hpp>

@@ -1,19 +1,20 @@
 /// Multiple constraints at a time (MCAAT): the same filter as SCAAT, fed with N measurements in one update.
 ///
-/// SCAAT's rival (002 sections 3.7 and E.3.1): measurements are collected until there are N, stacked, and taken as one of the
-/// time of the newest: the simultaneity assumption. With N = 1 it is SCAAT. Sources are calibrated as there; the
-/// stacked system is
-///   S = H P H^T + blockdiag(H_b (P_b + residual) H_b^T + R),  K = P H^T S^-1,  P <- P - K S K^T,
-/// and each source is corrected by its own rows. A source that is in a window twice is corrected once.
+/// SCAAT's rival (002 sections 3.7 and E.3.1): measurements are collected until there are N, and taken as ones of the time of the
+/// newest: the simultaneity assumption. All are linearised at the same predicted state, which makes them one stacked
+/// measurement; as their noise is independent, the stacked update is done one after another, each residual less what the
+/// ones before have moved. With N = 1 it is SCAAT. Sources are calibrated as there.
 /// `Sources` is a DeviceTable, or anything with its `for_sighting` and `store`.
 /// Nothing here allocates. Bad input: a measurement that the state cannot give is left out of the window's update, and
 /// McaatStatus tells when nothing could be updated.
 #pragma once
 
-#include <Eigen/Cholesky>
+#include <array>
+#include <optional>
 
 #include <holdfast/tracking/advance.hpp>
 #include <holdfast/tracking/device_estimate.hpp>
+#include <holdfast/tracking/innovation.hpp>
 #include <holdfast/tracking/measurement.hpp>
 #include <holdfast/tracking/observation_window.hpp>
 
@@ -24,7 +25,7 @@ enum class McaatStatus {
   updated,         ///< there is a new estimate
   time_backwards,  ///< older than the last estimate: ignored
   nothing_seen,    ///< the state could give none of the window's measurements
-  not_positive     ///< the innovation's covariance has no inverse: nothing changed but the time
+  refused          ///< no measurement of the window could correct: nothing changed but the time
 };
 
 template <int Order, Measurement M, int Capacity = 16>
@@ -46,70 +47,55 @@ class McaatFilter {
   [[nodiscard]] const TargetState<Order>& state() const { return state_; }
 
  private:
-  static constexpr int m = M::size;
-  static constexpr int b = M::source_size;
-  static constexpr int n = 6 * Order;
-  static constexpr int rows_at_most = Capacity * m;
-  using Stacked = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::DontAlign, rows_at_most, rows_at_most>;
-  using StackedColumns = Eigen::Matrix<double, n, Eigen::Dynamic, Eigen::DontAlign, n, rows_at_most>;
-  using StackedH = Eigen::Matrix<double, Eigen::Dynamic, M::state_size, Eigen::DontAlign, rows_at_most, M::state_size>;
-  using StackedVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::DontAlign, rows_at_most, 1>;
-
   struct Observation {
     M measurement;
     int source = 0;
   };
-  struct SourceInWindow {
-    int index = 0;
-    DeviceEstimate<b> estimate;
-    MatrixOf<double, b, m> C;  // covariance of its error with its measurement
+
+  /// A measurement as it looked from the window's predicted state.
+  struct Frozen {
+    static constexpr int size = M::size, state_size = M::state_size, source_size = M::source_size, sensor_size = 0;
+
+    const TargetState<Order>* predicted = nullptr;
+    int source = 0;
+    DeviceParameters<M::source_size> source_parameters;
+    Linearization<M> linear;
+
+    template <int SameOrder>
+    [[nodiscard]] bool linearize(const TargetState<SameOrder>& state,
+                                 const DeviceParameters<M::source_size>& parameters,
+                                 const DeviceParameters<0>& /*sensor*/, Linearization<Frozen>& out) const {
+      out = linear;
+      const typename TargetState<Order>::Error moved = predicted->error_of(state);
+      out.residual -= linear.H.lazyProduct(moved.template head<M::state_size>());
+      out.residual -= linear.H_source.lazyProduct(parameters - source_parameters);
+      return true;
+    }
   };
 
   template <typename Sources>
   [[nodiscard]] McaatStatus update(Sources& sources) {
-    const int most = static_cast<int>(window_.observations().size());
-    StackedH H(most * m, M::state_size);
-    StackedVector residual(most * m);
-    Stacked S = Stacked::Zero(most * m, most * m);
-    std::array<SourceInWindow, Capacity> used;
-    int count = 0;
+    const TargetState<Order> predicted = state_;
+    std::array<Frozen, Capacity> seen;
+    std::size_t count = 0;
     for (const Observation& observation : window_.observations()) {
-      SourceInWindow& source = used[static_cast<std::size_t>(count)];
-      source.index = observation.source;
-      source.estimate = sources.for_sighting(observation.source);
-      Linearization<M> linear;
-      if (!observation.measurement.linearize(state_, source.estimate.x, {}, linear)) continue;
-      if (!linear.residual.allFinite()) continue;
-      source.C.noalias() = source.estimate.P * linear.H_source.transpose();
-      H.template middleRows<m>(count * m) = linear.H;
-      residual.template segment<m>(count * m) = linear.residual;
-      S.template block<m, m>(count * m, count * m) =
-          linear.R + linear.H_source * source.C +
-          linear.H_source * source.estimate.residual_variance.asDiagonal() * linear.H_source.transpose();
-      ++count;
+      Frozen& frozen = seen[count];
+      frozen.predicted = &predicted;
+      frozen.source = observation.source;
+      frozen.source_parameters = sources.for_sighting(observation.source).x;
+      if (observation.measurement.linearize(predicted, frozen.source_parameters, {}, frozen.linear)) ++count;
     }
     if (count == 0) return McaatStatus::nothing_seen;
-    const int rows = count * m;
-    const StackedColumns C = state_.P.template leftCols<M::state_size>() * H.topRows(rows).transpose();
-    Stacked S_used = S.topLeftCorner(rows, rows);
-    S_used.noalias() += H.topRows(rows) * C.template topRows<M::state_size>();
-    const Eigen::LLT<Stacked> cholesky(S_used);
-    if (cholesky.info() != Eigen::Success) return McaatStatus::not_positive;
-    const Stacked S_inverse = cholesky.solve(Stacked::Identity(rows, rows));
-    const StackedVector weighted = S_inverse * residual.head(rows);
-
-    const StackedColumns K = C * S_inverse;
-    state_.P.noalias() -= K * C.transpose();
-    state_.P = (0.5 * (state_.P + state_.P.transpose())).eval();
-    state_.add(typename TargetState<Order>::Error(C * weighted));
-    for (int i = 0; i < count; ++i) {
-      SourceInWindow& source = used[static_cast<std::size_t>(i)];
-      if (source.estimate.locked) continue;
-      source.estimate.x.noalias() += source.C * weighted.template segment<m>(i * m);
-      source.estimate.P.noalias() -= source.C * S_inverse.template block<m, m>(i * m, i * m) * source.C.transpose();
-      sources.store(source.index, source.estimate);
+    bool corrected = false;
+    for (std::size_t i = 0; i < count; ++i) {
+      auto source = sources.for_sighting(seen[i].source);
+      const std::optional<Innovation<Order, Frozen>> innovation = extended_innovation(state_, seen[i], source);
+      NoDevice none;
+      if (!innovation || !correct(state_, *innovation, source, none)) continue;
+      sources.store(seen[i].source, source);
+      corrected = true;
     }
-    return McaatStatus::updated;
+    return corrected ? McaatStatus::updated : McaatStatus::refused;
   }
 
   ObservationWindow<Observation, Capacity> window_;

@@ -16,9 +16,8 @@
 #include <span>
 #include <string_view>
 
-#include <Eigen/Cholesky>
-
 #include <holdfast/tracking/camera_sighting.hpp>
+#include <holdfast/tracking/innovation.hpp>
 
 namespace holdfast {
 
@@ -72,6 +71,13 @@ struct Resection {
 
 namespace detail {
 
+/// (L L^T)^-1.
+template <int Size>
+[[nodiscard]] MatrixOf<double, Size> inverse_of(const MatrixOf<double, Size>& L) {
+  const MatrixOf<double, Size> G = substituted<Size, Size>(MatrixOf<double, Size>::Identity(), L);
+  return G.lazyProduct(G.transpose());
+}
+
 /// J^T W J, J^T W r and r^T W r of all sightings at a pose; false when a beacon lies behind its camera.
 struct NormalEquations {
   Matrix6 A = Matrix6::Zero();
@@ -119,13 +125,12 @@ struct NormalEquations {
   for (; result.iterations < settings.maximum_iterations; ++result.iterations) {
     Matrix6 damped = equations.A;
     damped.diagonal() *= 1.0 + damping;
-    const Eigen::LDLT<Matrix6> solver(damped);
-    const Vector6 pivots = solver.vectorD();
-    if (!(pivots.minCoeff() > 1e-14 * pivots.maxCoeff())) {
+    Matrix6 L;
+    if (!detail::cholesky<6>(damped, L) || L.diagonal().minCoeff() < 1e-7 * L.diagonal().maxCoeff()) {
       result.status = ResectionStatus::singular;
       return result;
     }
-    const Vector6 d = solver.solve(equations.g);
+    const Vector6 d = detail::inverse_of<6>(L) * equations.g;
     const Rigid moved(result.X_WB.q() * so3::exp<double>(d.tail<3>()), result.X_WB.p() + d.head<3>());
     const bool small = d.cwiseAbs().maxCoeff() < settings.small_step;
     detail::NormalEquations there;
@@ -139,7 +144,7 @@ struct NormalEquations {
     }
     if (small) {
       result.status = ResectionStatus::converged;
-      result.covariance = equations.A.inverse();
+      if (detail::cholesky<6>(equations.A, L)) result.covariance = detail::inverse_of<6>(L);
       break;
     }
   }

@@ -2,7 +2,7 @@
 # Each file keeps its names to itself, in a namespace of its own; so that no header is read inside of that namespace, all headers
 # that the files include come first, from a generated list.
 option(HOLDFAST_UNITY "Compile the test files of a folder together: quickest for all of them, slower after a small change" OFF)
-set(HOLDFAST_UNITY_FILES 16 CACHE STRING "How many files are compiled together at most: more take less time and more memory")
+set(HOLDFAST_UNITY_FILES 8 CACHE STRING "How many files are compiled together at most: more take less time and more memory")
 mark_as_advanced(HOLDFAST_UNITY_FILES)
 set(HOLDFAST_COLLECT_INCLUDES "${CMAKE_CURRENT_LIST_DIR}/collect_includes.cmake")
 

@@ -76,7 +76,8 @@ class PolarMesher {
   [[nodiscard]] double worst_px() const { return worst_px_; }
 
  private:
-  static constexpr double margin = 1.1;  ///< for the table's steps, bends within a triangle, and rounding to float
+  static constexpr double margin =
+      1.2;  ///< for the table's steps, bends that differ within a triangle, and rounding to float
   static constexpr double share_across = 0.45;
   static constexpr std::uint32_t none = 0xffffffff;
 

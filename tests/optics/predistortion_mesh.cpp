@@ -68,10 +68,10 @@ TEST_CASE("the error between the vertices keeps to the bound, and the bound deci
   }
   // 0.05 px at 1280 x 720. Triangles d along the radius and L across err by (f'' d^2 + A L^2) / 8, with f'' = 6 k r and
   // A = 2 k r in the lens's unit of 360 px. With half of the bound each their area d L / 2 is 2 e / sqrt(f'' A): 19,000 of
-  // them at r = 400 px, the mean, if each had all of the bound.
+  // them at r = 400 px, the mean, if each had all of the bound; a fifth more for the margin, and what rings cannot share.
   const PredistortionMesh mesh = adaptive_mesh(eye, LensMode::exact);
   CHECK(mesh.triangle_count() > 19'000);
-  CHECK(mesh.triangle_count() < 27'000);
+  CHECK(mesh.triangle_count() < 30'000);
   CHECK_FALSE(mesh.per_color);
 }
 
@@ -216,7 +216,7 @@ TEST_CASE("a kink lies between triangles, whatever else cuts them") {
   EyeModel eye = kinked_eye();
   check_mesh(eye, {});
   // Met by chance, it would take triangles of some 0.3 px: ten times as many.
-  CHECK(adaptive_mesh(eye, LensMode::exact).vertices.size() < 12'000);
+  CHECK(adaptive_mesh(eye, LensMode::exact).vertices.size() < 13'000);
   check_mesh(eye, {.max_error_px = 1.0});
   check_mesh(eye, {.field = FieldTangents{-1.3, 1.3, -1.3, 1.3}});
   eye.lens_red = kinked_lens(1.0, -0.01);

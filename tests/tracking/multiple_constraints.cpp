@@ -109,9 +109,9 @@ TEST_CASE("MCAAT of a still target brings pose and beacons nearer to the truth")
     }
     CHECK(updates == (shape.moving ? 600 - shape.size + 1 : 600 / shape.size));
     CHECK(world.beacon_error() < before);
-    // Beacons a millimetre off, hundreds of them; a moving window believes each ten times (002 section 6.2.6).
-    CHECK((filter.state().X_WB.p() - world.X_WB.p()).norm() < (shape.moving ? 1e-3 : 0.5e-3));
-    CHECK(so3::angle_between(filter.state().X_WB.q(), world.X_WB.q()) < 0.5e-3);
+    // Beacons a millimetre off, from one place: the pose and what is learnt of them move together a little.
+    CHECK((filter.state().X_WB.p() - world.X_WB.p()).norm() < 1.5e-3);
+    CHECK(so3::angle_between(filter.state().X_WB.q(), world.X_WB.q()) < 1e-3);
     CHECK(Eigen::LLT<Matrix12>(filter.state().P).info() == Eigen::Success);  // positive definite
   }
 }

@@ -120,8 +120,9 @@ std::vector<std::pair<std::string, EyeModel>> bent_eyes() {
 }  // namespace
 
 TEST_CASE("the outline's bounds are those of dense sampling, at most a quarter of a pixel wider") {
-  for (const auto& [name, eye] : bent_eyes()) {
-    CAPTURE(name);
+  for (const auto& bent : bent_eyes()) {
+    CAPTURE(bent.first);
+    const EyeModel& eye = bent.second;
     const DisplayTiming timing;
     const FieldOutline outline(eye, LensMode::exact, timing);
     const FieldTangents found = outline.bounds();
@@ -146,8 +147,9 @@ TEST_CASE("the outline's bounds are those of dense sampling, at most a quarter o
 TEST_CASE("what a deflected picture lacks is what dense sampling finds") {
   std::mt19937 random(23);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  for (const auto& [name, eye] : bent_eyes()) {
-    CAPTURE(name);
+  for (const auto& bent : bent_eyes()) {
+    CAPTURE(bent.first);
+    const EyeModel& eye = bent.second;
     const double px = px_per_tangent(eye);
     double least = 1e9, most = -1e9;
     for (const ScanDirection direction : scan_directions) {

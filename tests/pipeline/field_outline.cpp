@@ -138,8 +138,8 @@ TEST_CASE("the outline's bounds are those of dense sampling, at most a quarter o
       CHECK(w * px > -0.02);  // a parabola's third order, and what 4000 points a side leave out
       CHECK(w * px < 0.26);
     }
-    MESSAGE(name, ": ", outline.points().size(), " points; wider by ", px * *std::min_element(wider, wider + 4), " to ",
-            px * *std::max_element(wider, wider + 4), " px");
+    MESSAGE(bent.first, ": ", outline.points().size(), " points; wider by ", px * *std::min_element(wider, wider + 4),
+            " to ", px * *std::max_element(wider, wider + 4), " px");
     CHECK(outline.points().size() < 1500);
   }
 }
@@ -172,7 +172,7 @@ TEST_CASE("what a deflected picture lacks is what dense sampling finds") {
         most = std::max(most, beyond);
       }
     }
-    MESSAGE(name, ": lacking differs from dense sampling by ", least, " to ", most, " px");
+    MESSAGE(bent.first, ": lacking differs from dense sampling by ", least, " to ", most, " px");
     CHECK(least > -0.1);
     CHECK(most < 0.4);  // the bulge's 0.25, magnified at the edges of a turned picture
   }

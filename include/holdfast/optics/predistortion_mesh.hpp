@@ -41,9 +41,6 @@ namespace holdfast {
 /// Both eyes' meshes. Of a symmetric headset the right eye's is the left one's mirror image, to the last bit what
 /// adaptive_mesh makes, and costs little more than its memory. options.field is the left eye's; the right one's is its
 /// mirror image.
-struct EyeMeshes {
-  PredistortionMesh left, right;
-};
 [[nodiscard]] inline EyeMeshes adaptive_meshes(const HmdModel& hmd, LensMode mode,
                                                const AdaptiveMeshOptions& options = {});
 

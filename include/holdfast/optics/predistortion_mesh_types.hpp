@@ -60,6 +60,10 @@ struct PredistortionMesh {
   [[nodiscard]] std::size_t triangle_count() const { return triangles.size() / 3; }
 };
 
+struct EyeMeshes {
+  PredistortionMesh left, right;
+};
+
 struct AdaptiveMeshOptions {
   double max_error_px = 0.05;
   double border_error_px = 0.1;  ///< how far the drawn border may be from the true one, panel px

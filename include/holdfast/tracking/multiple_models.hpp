@@ -93,7 +93,10 @@ template <int Size, std::size_t Count>
 }
 
 template <int Order, int Count, typename Innovate = ExtendedInnovation>
-class MultipleModelFilter {
+class MultipleModelFilter : public MeasurementIntake<MultipleModelFilter<Order, Count, Innovate>> {
+  using Intake = MeasurementIntake<MultipleModelFilter>;
+  friend Intake;
+
  public:
   using State = TargetState<Order>;
   using Weights = std::array<double, Count>;
@@ -101,8 +104,8 @@ class MultipleModelFilter {
   /// Preconditions: the state is finite, models and gate settings have no problem.
   MultipleModelFilter(const State& start, const ModelSet<Order, Count>& set, const ScaatSettings& settings = {},
                       const Innovate& innovate = {})
-      : set_(set), settings_(settings), gate_(settings.gate), innovate_(innovate) {
-    HOLDFAST_ASSERT(!set.problem() && !settings.gate.problem(), "bad settings");
+      : Intake(settings), set_(set), innovate_(innovate) {
+    HOLDFAST_ASSERT(!set.problem(), "bad models");
     restart(start);
   }
 
@@ -112,40 +115,16 @@ class MultipleModelFilter {
     states_[current_].fill(start);
     probabilities_.fill(1.0 / Count);
     combined_ = start;
-    gate_ = InnovationGate(settings_.gate);
+    this->reset_gate();
   }
 
-  template <Measurement M>
-  UpdateStatus update(HostTime t, const M& measurement, std::type_identity_t<DeviceSlot<M::source_size>> source,
-                      std::type_identity_t<DeviceSlot<M::sensor_size>> sensor) {
-    const UpdateStatus status = try_update(t, measurement, source, sensor);
-    counters_.count(status);
-    return status;
-  }
-  template <Measurement M>
-  requires(M::sensor_size == 0) UpdateStatus
-      update(HostTime t, const M& measurement, std::type_identity_t<DeviceSlot<M::source_size>> source) {
-    return update(t, measurement, source, DeviceSlot<0>());
-  }
-  template <Measurement M>
-  requires(M::source_size == 0 && M::sensor_size == 0) UpdateStatus update(HostTime t, const M& measurement) {
-    return update(t, measurement, DeviceSlot<0>(), DeviceSlot<0>());
-  }
-
-  /// All models together.
+  /// All models together. nis() and whitened() are those of the model that found a measurement the likeliest.
   [[nodiscard]] const State& state() const { return combined_; }
   [[nodiscard]] PoseEstimate pose_estimate() const { return holdfast::pose_estimate(combined_); }
   /// What each model takes itself to be worth; they sum to 1.
   [[nodiscard]] const Weights& probabilities() const { return probabilities_; }
   [[nodiscard]] const State& state_of(std::size_t model) const { return states_[current_][model]; }
   [[nodiscard]] const ModelSet<Order, Count>& models() const { return set_; }
-
-  /// Of the last measurement that reached the gate, by the model that found it the likeliest (scaat_filter.hpp).
-  [[nodiscard]] double nis() const { return nis_; }
-  [[nodiscard]] int nis_size() const { return nis_size_; }
-  [[nodiscard]] const WhitenedResidual& whitened() const { return whitened_; }
-  [[nodiscard]] const UpdateCounters& counters() const { return counters_; }
-  [[nodiscard]] const InnovationGate& gate() const { return gate_; }
 
  private:
   using States = std::array<State, Count>;
@@ -192,9 +171,7 @@ class MultipleModelFilter {
   template <Measurement M>
   UpdateStatus try_update(HostTime t, const M& measurement, const DeviceSlot<M::source_size>& source,
                           const DeviceSlot<M::sensor_size>& sensor) {
-    if (t < combined_.t) return UpdateStatus::time_backwards;
-    if (detail::is_gap_too_long(combined_.t, t, settings_.longest_gap)) return UpdateStatus::gap_too_long;
-    if (!source.exists() || !sensor.exists()) return UpdateStatus::no_such_device;
+    if (const auto refusal = this->refusal(combined_.t, t, source, sensor)) return *refusal;
 
     States& next = states_[1 - current_];
     Weights arriving;
@@ -217,14 +194,8 @@ class MultipleModelFilter {
       log_likelihoods[j] = innovation->log_likelihood();
       if (innovation->nis() < innovations[likeliest].nis()) likeliest = j;
     }
-    const VectorOf<double, M::size> whitened = innovations[likeliest].whitened();
-    nis_ = whitened.squaredNorm();
-    nis_size_ = M::size;
-    whitened_.template head<M::size>() = whitened;
-    std::uint8_t* probation = source.probation() != nullptr ? source.probation() : sensor.probation();
-    const GateVerdict verdict = gate_.judge(nis_, M::size, probation);
-    if (verdict == GateVerdict::rejected) return UpdateStatus::gated;
-    if (verdict == GateVerdict::on_probation) return UpdateStatus::on_probation;
+    const auto gated = this->template gated<M::size>(innovations[likeliest].whitened(), source, sensor);
+    if (gated) return *gated;
 
     for (std::size_t j = 0; j < Count; ++j) {
       if (!correct(next[j], innovations[j], sources[j], sensors[j])) return UpdateStatus::not_finite;
@@ -242,13 +213,7 @@ class MultipleModelFilter {
   State combined_;
   Weights probabilities_;
   ModelSet<Order, Count> set_;
-  ScaatSettings settings_;
-  InnovationGate gate_;
   Innovate innovate_;
-  UpdateCounters counters_;
-  double nis_ = 0.0;
-  int nis_size_ = 0;
-  WhitenedResidual whitened_ = WhitenedResidual::Zero();
 };
 
 }  // namespace holdfast

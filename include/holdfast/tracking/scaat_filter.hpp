@@ -174,30 +174,15 @@ struct ScaatSettings {
   Duration longest_gap = from_seconds(5.0);
 };
 
-template <int Order, typename Innovate = ExtendedInnovation>
-class ScaatFilter {
+/// What all filters share about taking a measurement in: they refuse what cannot be used, gate what is unlikely, and count.
+/// `Filter` derives from it and has try_update(t, measurement, source, sensor), which answers a status.
+template <typename Filter>
+class MeasurementIntake {
  public:
-  using State = TargetState<Order>;
-
-  /// Preconditions: the state is finite, model and gate settings have no problem.
-  ScaatFilter(const State& start, const ProcessModel<Order>& model, const ScaatSettings& settings = {},
-              const Innovate& innovate = {})
-      : model_(model), settings_(settings), gate_(settings.gate), innovate_(innovate) {
-    HOLDFAST_ASSERT(!model.problem() && !settings.gate.problem(), "bad settings");
-    restart(start);
-  }
-
-  /// Begins anew at a state, as after losing track. Counters go on.
-  void restart(const State& start) {
-    HOLDFAST_ASSERT(start.is_finite(), "a filter starts from finite numbers");
-    states_[current_] = start;
-    gate_ = InnovationGate(settings_.gate);
-  }
-
   template <Measurement M>
   UpdateStatus update(HostTime t, const M& measurement, std::type_identity_t<DeviceSlot<M::source_size>> source,
                       std::type_identity_t<DeviceSlot<M::sensor_size>> sensor) {
-    const UpdateStatus status = try_update(t, measurement, source, sensor);
+    const UpdateStatus status = static_cast<Filter&>(*this).try_update(t, measurement, source, sensor);
     counters_.count(status);
     return status;
   }
@@ -211,10 +196,6 @@ class ScaatFilter {
     return update(t, measurement, DeviceSlot<0>(), DeviceSlot<0>());
   }
 
-  [[nodiscard]] const State& state() const { return states_[current_]; }
-  /// What leaves the tracker, at the time of the last measurement that counted.
-  [[nodiscard]] PoseEstimate pose_estimate() const { return holdfast::pose_estimate(state()); }
-
   /// Normalised innovation squared of the last measurement that reached the gate, and its degrees of freedom.
   [[nodiscard]] double nis() const { return nis_; }
   [[nodiscard]] int nis_size() const { return nis_size_; }
@@ -223,6 +204,74 @@ class ScaatFilter {
 
   [[nodiscard]] const UpdateCounters& counters() const { return counters_; }
   [[nodiscard]] const InnovationGate& gate() const { return gate_; }
+
+ protected:
+  explicit MeasurementIntake(const ScaatSettings& settings) : settings_(settings), gate_(settings.gate) {
+    HOLDFAST_ASSERT(!settings.gate.problem(), "bad settings");
+  }
+
+  void reset_gate() { gate_ = InnovationGate(settings_.gate); }
+
+  /// Why a measurement of time t cannot be used after one of time `newest`; nothing when it can.
+  template <typename Source, typename Sensor>
+  [[nodiscard]] std::optional<UpdateStatus> refusal(HostTime newest, HostTime t, const Source& source,
+                                                    const Sensor& sensor) const {
+    if (t < newest) return UpdateStatus::time_backwards;
+    if (detail::is_gap_too_long(newest, t, settings_.longest_gap)) return UpdateStatus::gap_too_long;
+    if (!source.exists() || !sensor.exists()) return UpdateStatus::no_such_device;
+    return std::nullopt;
+  }
+
+  /// Why the gate keeps a measurement from correcting; nothing when it may.
+  template <int Size, typename Source, typename Sensor>
+  [[nodiscard]] std::optional<UpdateStatus> gated(const VectorOf<double, Size>& whitened, const Source& source,
+                                                  const Sensor& sensor) {
+    nis_ = whitened.squaredNorm();
+    nis_size_ = Size;
+    whitened_.template head<Size>() = whitened;
+    std::uint8_t* probation = source.probation() != nullptr ? source.probation() : sensor.probation();
+    const GateVerdict verdict = gate_.judge(nis_, Size, probation);
+    if (verdict == GateVerdict::rejected) return UpdateStatus::gated;
+    if (verdict == GateVerdict::on_probation) return UpdateStatus::on_probation;
+    return std::nullopt;
+  }
+
+ private:
+  ScaatSettings settings_;
+  InnovationGate gate_;
+  UpdateCounters counters_;
+  double nis_ = 0.0;
+  int nis_size_ = 0;
+  WhitenedResidual whitened_ = WhitenedResidual::Zero();
+};
+
+template <int Order, typename Innovate = ExtendedInnovation>
+class ScaatFilter : public MeasurementIntake<ScaatFilter<Order, Innovate>> {
+  using Intake = MeasurementIntake<ScaatFilter>;
+  friend Intake;
+
+ public:
+  using State = TargetState<Order>;
+
+  /// Preconditions: the state is finite, model and gate settings have no problem.
+  ScaatFilter(const State& start, const ProcessModel<Order>& model, const ScaatSettings& settings = {},
+              const Innovate& innovate = {})
+      : Intake(settings), model_(model), innovate_(innovate) {
+    HOLDFAST_ASSERT(!model.problem(), "bad process model");
+    restart(start);
+  }
+
+  /// Begins anew at a state, as after losing track. Counters go on.
+  void restart(const State& start) {
+    HOLDFAST_ASSERT(start.is_finite(), "a filter starts from finite numbers");
+    states_[current_] = start;
+    this->reset_gate();
+  }
+
+  [[nodiscard]] const State& state() const { return states_[current_]; }
+  /// What leaves the tracker, at the time of the last measurement that counted.
+  [[nodiscard]] PoseEstimate pose_estimate() const { return holdfast::pose_estimate(state()); }
+
   [[nodiscard]] const ProcessModel<Order>& model() const { return model_; }
   void set_model(const ProcessModel<Order>& model) { model_ = model; }
 
@@ -230,9 +279,7 @@ class ScaatFilter {
   template <Measurement M>
   UpdateStatus try_update(HostTime t, const M& measurement, const DeviceSlot<M::source_size>& source,
                           const DeviceSlot<M::sensor_size>& sensor) {
-    if (t < state().t) return UpdateStatus::time_backwards;
-    if (detail::is_gap_too_long(state().t, t, settings_.longest_gap)) return UpdateStatus::gap_too_long;
-    if (!source.exists() || !sensor.exists()) return UpdateStatus::no_such_device;
+    if (const auto refusal = this->refusal(state().t, t, source, sensor)) return *refusal;
 
     State& next = states_[1 - current_];
     if (!detail::advance_lower(state(), model_, t, next)) return UpdateStatus::not_finite;
@@ -242,15 +289,7 @@ class ScaatFilter {
     const auto innovation = innovate_(next, measurement, source_estimate, sensor_estimate);
     if (!innovation) return detail::cause_of_no_innovation(next, measurement, source_estimate, sensor_estimate);
 
-    const VectorOf<double, M::size> whitened = innovation->whitened();
-    nis_ = whitened.squaredNorm();
-    nis_size_ = M::size;
-    whitened_.template head<M::size>() = whitened;
-    std::uint8_t* probation = source.probation() != nullptr ? source.probation() : sensor.probation();
-    const GateVerdict verdict = gate_.judge(nis_, M::size, probation);
-    if (verdict == GateVerdict::rejected) return UpdateStatus::gated;
-    if (verdict == GateVerdict::on_probation) return UpdateStatus::on_probation;
-
+    if (const auto gated = this->template gated<M::size>(innovation->whitened(), source, sensor)) return *gated;
     if (!correct(next, *innovation, source_estimate, sensor_estimate)) return UpdateStatus::not_finite;
     source.store(source_estimate, t);
     sensor.store(sensor_estimate, t);
@@ -261,13 +300,7 @@ class ScaatFilter {
   std::array<State, 2> states_;  ///< the one that counts, and where the next is tried
   std::size_t current_ = 0;
   ProcessModel<Order> model_;
-  ScaatSettings settings_;
-  InnovationGate gate_;
   Innovate innovate_;
-  UpdateCounters counters_;
-  double nis_ = 0.0;
-  int nis_size_ = 0;
-  WhitenedResidual whitened_ = WhitenedResidual::Zero();
 };
 
 }  // namespace holdfast

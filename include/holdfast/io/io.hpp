@@ -1,4 +1,4 @@
-/// Everything of the io component: recordings, headset descriptors, calibrated devices, meshes, results in JSON, pictures in PNG.
+/// Everything of the io component: recordings of motion and ranges, headset descriptors, calibrated devices, meshes, results in JSON, pictures in PNG.
 #pragma once
 
 #include <holdfast/io/cardboard.hpp>
@@ -9,6 +9,7 @@
 #include <holdfast/io/mesh_writer.hpp>
 #include <holdfast/io/osvr.hpp>
 #include <holdfast/io/png.hpp>
+#include <holdfast/io/range_files.hpp>
 #include <holdfast/io/results.hpp>
 #include <holdfast/io/track_results.hpp>
 #include <holdfast/io/trajectory.hpp>

@@ -1,4 +1,5 @@
-/// Everything of registration/, but for the comparison of trackers (track_experiment.hpp), which takes long to compile.
+/// Everything of registration/, but for the comparisons of trackers (track_experiment.hpp, range_experiment.hpp), which take long to
+/// compile.
 #pragma once
 
 #include <holdfast/registration/effective_latency.hpp>
@@ -14,6 +15,7 @@
 #include <holdfast/registration/picture_centroid.hpp>
 #include <holdfast/registration/pipeline_pose.hpp>
 #include <holdfast/registration/projected_ellipse.hpp>
+#include <holdfast/registration/range_recording.hpp>
 #include <holdfast/registration/scan_skew.hpp>
 #include <holdfast/registration/scene_depth.hpp>
 #include <holdfast/registration/scene_fiducials.hpp>

@@ -59,18 +59,14 @@ class Observer {
   /// Where the eye sees the real point while its line lights.
   [[nodiscard]] std::optional<Vector2> real_pixel(const Shown& shown, const ComposedWarp& warp,
                                                   const Vector3& p_W) const {
-    HostTime t = shown.scan_middle;
-    std::optional<Vector2> seen;
-    for (int i = 0; i < 20; ++i) {
+    return on_its_line([&](double s) -> std::optional<LitPlace<Vector2>> {
+      const HostTime t = shown.scan_middle + line_time_from_middle(shown.timing, s);
       const Rigid X_WE = motion_->at(t).X_WB * shown.eye->X_HE;
-      seen = project(*shown.eye, X_WE.inverse() * p_W);
+      const std::optional<Vector2> seen = project(*shown.eye, X_WE.inverse() * p_W);
       const auto panel = seen ? warp.panel_pixel_seen(*seen) : std::nullopt;
       if (!panel) return std::nullopt;
-      const HostTime next = shown.scan_middle + line_time_from_middle(shown.timing, warp.line_fraction(*panel));
-      if (next == t) break;
-      t = next;
-    }
-    return seen;
+      return LitPlace<Vector2>{*seen, warp.line_fraction(*panel)};
+    });
   }
 
   /// Where the eye sees the virtual point, if the picture shows it.
@@ -87,16 +83,13 @@ class Observer {
                                                          const Vector2& t_S, double w) {
     if (shown.kind != DeflectionKind::depth) return warp.seen_pixel(source_pixel_of_tangent(shown.view, t_S));
     const Lens& lens = shown.eye->lens;
-    double s = 0.5;
-    std::optional<Vector2> t_E;
-    for (int i = 0; i < 20; ++i) {
-      t_E = tangents_of_point(DepthSearch::seen_from_E(shown.deflection->deflection.X_SE.at(s), t_S, w));
-      const auto drawn = t_E ? drawn_tangent(lens, shown.lens, *t_E) : std::nullopt;
+    const auto t_E = on_its_line([&](double s) -> std::optional<LitPlace<Vector2>> {
+      const auto at = tangents_of_point(DepthSearch::seen_from_E(shown.deflection->deflection.X_SE.at(s), t_S, w));
+      const auto drawn = at ? drawn_tangent(lens, shown.lens, *at) : std::nullopt;
       if (!drawn) return std::nullopt;
-      const double next = warp.line_fraction(pixel_of_tangent(*shown.eye, *drawn));
-      if (std::abs(next - s) < 1e-12) break;
-      s = next;
-    }
+      return LitPlace<Vector2>{*at, warp.line_fraction(pixel_of_tangent(*shown.eye, *drawn))};
+    });
+    if (!t_E) return std::nullopt;
     const auto seen = seen_tangent(lens, shown.lens, *t_E);
     return seen ? std::optional<Vector2>(pixel_of_tangent(*shown.eye, *seen)) : std::nullopt;
   }

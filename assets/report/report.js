@@ -7,7 +7,7 @@ const page = document.getElementById("report");
 const openCharts = [];
 
 const pipelineNames = { P0: "no prediction", P1: "constant velocity", P2: "Kalman without inertial", P3: "Kalman with inertial", P4: "late rotation", P5: "late depth warp", P6: "late depth warp per line" };
-const seriesColors = { P0: "--p0", P1: "--p1", P2: "--s2", P3: "--s3", P4: "--s2", P5: "--s4", P6: "--s5", ablation: "--s3", theory: "--theory", a: "--p0", b: "--p1", c: "--s2", d: "--s3", e: "--s4", f: "--s5" };
+const seriesColors = { P0: "--p0", P1: "--p1", P2: "--p2", P3: "--s3", P4: "--s2", P5: "--s4", P6: "--s5", ablation: "--s3", theory: "--theory", a: "--p0", b: "--p1", c: "--s2", d: "--s3", e: "--s4", f: "--s5" };
 
 // ---- small helpers -----------------------------------------------------------------------------------------------------------
 
@@ -287,6 +287,14 @@ function comparison(before, after) {
   return el("p", {}, "Predicting at constant velocity (P1) changes little here: ", el("strong", {}, angle(b)), ".");
 }
 
+/** What a filter of all poses makes of it, beside constant velocity. */
+function filtering(filtered, predicted) {
+  const a = filtered && filtered.registration.peak_arcmin, b = predicted && predicted.registration.peak_arcmin;
+  if (!(a > 0)) return null;
+  const beside = b > 0 ? (a < 0.95 * b ? ", which is less" : a > 1.05 * b ? ", which is more: it holds on to an acceleration that is over" : ", about as much") : "";
+  return el("p", {}, "A Kalman filter of all poses measured so far (P2) also knows how the velocity changes. It leaves at most ", el("strong", {}, angle(a)), `${beside}.`);
+}
+
 /** What a late correction of the finished picture leaves, and what each further step of it removes. */
 function lateCorrection(predicted) {
   const turned = row("P4"), moved = row("P5"), lines = row("P6");
@@ -327,10 +335,12 @@ function introduction() {
     el("strong", {}, number(first.swim.peak_deg_s, "\u00b0/s")), ". The width of your thumb at arm's length is about 2\u00b0. ", head.shown));
   const change = still && predicted ? comparison(still, predicted) : null;
   if (change) page.append(change);
+  const filter = filtering(row("P2"), predicted);
+  if (filter) page.append(filter);
   const late = lateCorrection(predicted);
   if (late) page.append(late);
   const cards = el("div.cards");
-  for (const r of ["P0", "P1", "P4", "P5", "P6"].map((id) => row(id)).filter((r) => r && !isRepeated(r))) {
+  for (const r of ["P0", "P1", "P2", "P4", "P5", "P6"].map((id) => row(id)).filter((r) => r && !isRepeated(r))) {
     const mark = el("i.dot"); mark.style.color = seriesColor(r.pipeline);
     cards.append(el("div.card", {}, el("header", {}, mark, el("strong", {}, variantTitle(r))),
       el("dl.figures", {}, ...[["largest error", angle(r.registration.peak_arcmin), number(r.registration.peak_px, "px")],
@@ -458,6 +468,7 @@ function glossary() {
     ["arcmin", "a sixtieth of a degree. Sharp eyes resolve about one."],
     ["P0, no prediction", "the picture is drawn for the pose that was measured."],
     ["P1, constant velocity", "the pose is carried on over the latency at the velocity measured last."],
+    ["P2, Kalman without inertial", "a filter of all poses measured so far estimates velocity and acceleration, and carries the pose on by both. It needs no rate gyro; P1 is given the exact velocity of a generated motion."],
     ["Late pose", "what the tracker knows shortly before the display starts to show the picture, carried on to the moment of light in the same way."],
     ["P4, late rotation", "drawn as P1, somewhat wider than the view; then the finished picture is turned to the late pose. It corrects the head's turning at any distance, not its moving."],
     ["P5, late depth warp", "each point of the finished picture is moved by its own distance, so that the head's moving is corrected too."],
@@ -482,11 +493,31 @@ function making() {
   node.append(el("p.note", {}, "Charts are drawn by dygraphs (MIT licence), embedded in this file. Latency is not the only error of a real headset; this report shows what the chosen settings leave."));
 }
 
-introduction();
-motions();
-sweeps();
-checks();
-results();
-glossary();
-making();
+/** A page that brings its own words: title, paragraphs, a table, charts, pictures as SVG. */
+function tell(told) {
+  document.title = `${told.title} - Holdfast`;
+  page.append(el("p.eyebrow", {}, `Holdfast \u00b7 ${told.eyebrow}`), el("h1", {}, told.title),
+    ...told.paragraphs.map((text, i) => el(i ? "p" : "p.lead", {}, text)));
+  page.append(table(told.table.columns.map((c, i) => ({ ...c, unit: unitSign(c.unit), value: (r) => (c.text ? r[i] : number(r[i])) })), told.table.rows, told.table.label));
+  const grid = el("div.charts");
+  page.append(grid);
+  for (const chart of told.charts) drawChart(chart, grid);
+  for (const p of told.pictures) {
+    grid.append(el("figure.card.chart", {}, el("header", {}, el("h3", {}, p.title)),
+      el("img", { src: "data:image/svg+xml," + encodeURIComponent(p.svg), alt: `${p.title}: ${p.caption}`, style: "width:100%" }), el("figcaption", {}, p.caption)));
+  }
+  section("How it was made", el("pre", {}, told.command), el("p.note", {}, "Charts are drawn by dygraphs (MIT licence), embedded in this file."));
+}
+
+if (data.page) {
+  tell(data.page);
+} else {
+  introduction();
+  motions();
+  sweeps();
+  checks();
+  results();
+  glossary();
+  making();
+}
 document.documentElement.dataset.ready = "true";

@@ -41,8 +41,9 @@ Phasor measured_response(const ExperimentSettings& settings, double hz) {
   Matrix2 normal = Matrix2::Zero();
   Vector2 moment = Vector2::Zero();
   const double period_s = 1.0 / settings.hmd.timing.refresh_hz;
+  PipelinePoses poses(*motion, settings);
   for (double t = 0.3; t < 0.3 + seconds; t += period_s) {
-    const Rigid displayed = displayed_pose(*motion, settings, time_at(t));
+    const Rigid displayed = poses.displayed(time_at(t));
     const double yaw = so3::log<double>(displayed.q()).y();
     const double angle = 2.0 * std::numbers::pi * hz * t;
     const Vector2 basis(std::sin(angle), std::cos(angle));
@@ -266,6 +267,7 @@ std::vector<ResultJson> frequency_charts(std::span<const ExperimentSettings> var
     for (const Response& r : responses) {
       const std::string_view style = holdfast::name_of(r.first);
       (*chart)["series"].push_back({{"name", r.name}, {"style", style}, {"points", true}});
+      if (!detail::order_of(r.settings.pipeline)) continue;
       (*chart)["series"].push_back({{"name", r.name + ", theory"}, {"style", style}, {"dashed", true}});
     }
   }
@@ -273,8 +275,9 @@ std::vector<ResultJson> frequency_charts(std::span<const ExperimentSettings> var
   gain["title"] = "Gain per frequency";
   gain["caption"] =
       "Amplitude of the displayed motion over that of the head, for a small yaw of each frequency. Points are "
-      "measured, lines are the closed forms: prediction exaggerates fast motion. A late pose is predicted over a few "
-      "milliseconds only.";
+      "measured, lines are the closed forms: prediction exaggerates fast motion. A filter's answer depends on its "
+      "settings "
+      "and has no such form. A late pose is predicted over a few milliseconds only.";
   gain["y"] = axis("gain", "times");
   lag["id"] = "phase";
   lag["title"] = "Phase per frequency";
@@ -287,18 +290,21 @@ std::vector<ResultJson> frequency_charts(std::span<const ExperimentSettings> var
     const double hz = 0.2 * std::pow(50.0, static_cast<double>(i) / points);  // 0.2 to 10 Hz
     ResultJson gain_row = {rounded(hz)}, lag_row = {rounded(hz)};
     for (const Response& r : responses) {
-      const theory::Order order = detail::order_of(r.settings.pipeline);
+      const std::optional<theory::Order> order = detail::order_of(r.settings.pipeline);
       const double interval_s = to_seconds(prediction_interval(r.settings));
+      // Without a closed form the phase is taken near that of the same interval at constant velocity.
       const double phase_theory =
-          std::arg(theory::response(order, hz, interval_s)) - 2.0 * std::numbers::pi * hz * interval_s;
+          std::arg(theory::response(order.value_or(theory::Order::constant_velocity), hz, interval_s)) -
+          2.0 * std::numbers::pi * hz * interval_s;
       const bool shown = i % 2 == 0;
       Phasor phasor;
       if (shown) phasor = measured_response(r.settings, hz);
       // The same turn as theory's: a phase is known up to whole turns.
       const double phase = phase_theory + std::remainder(phasor.phase_rad - phase_theory, 2.0 * std::numbers::pi);
       gain_row.push_back(shown ? rounded(phasor.gain) : ResultJson(nullptr));
-      gain_row.push_back(rounded(theory::gain(order, hz, interval_s)));
       lag_row.push_back(shown ? rounded(radians(phase).degrees()) : ResultJson(nullptr));
+      if (!order) continue;
+      gain_row.push_back(rounded(theory::gain(*order, hz, interval_s)));
       lag_row.push_back(rounded(radians(phase_theory).degrees()));
     }
     gain["rows"].push_back(std::move(gain_row));

@@ -68,7 +68,7 @@ void choose_pipelines(const Words& words, RunOptions& o) {
   if (o.pipelines.empty()) {
     const Pipeline first = o.not_available.front();
     refuse("--pipeline", std::string(unavailable_reason(first)), std::string(name_of(first)),
-           "with others that are: P0, P1, P4, P5, P6");
+           "with others that are: P0, P1, P2, P4, P5, P6");
   }
 }
 
@@ -231,8 +231,8 @@ void add_run_command(CLI::App& app, const std::string& command_line, int& exit_c
             "corrected, and M1,M3,M4,M7 as the other options say");
   add_words(
       run_app, "--pipeline", words->pipelines,
-      "P0 no prediction, P1 constant velocity, P4 = P1 and late rotation, P5 = P1 and late depth warp, P6 = P5 line "
-      "by line, all (P2 and P3 are told of as not available yet); default all");
+      "P0 no prediction, P1 constant velocity, P2 Kalman filter of poses, P4 = P1 and late rotation, P5 = P1 and late "
+      "depth warp, P6 = P5 line by line, all (P3 is told of as not available yet); default all");
   add_words(run_app, "--deflection", words->deflections,
             "What P4 to P6 do to the finished picture: own, or instead of it none, shift, shift_roll, rotation, plane, "
             "depth; several make several rows; default own (--full: own,shift)");
@@ -262,7 +262,7 @@ void add_run_command(CLI::App& app, const std::string& command_line, int& exit_c
 
 void add_predict_command(CLI::App& app, int& exit_code) {
   struct Given {
-    std::string trajectory, imu, json;
+    std::string trajectory, imu, json, noise_mm, noise_deg;
     Words intervals;
     bool lenient = false;
   };
@@ -272,6 +272,9 @@ void add_predict_command(CLI::App& app, int& exit_code) {
   predict_app.add_option("--imu", given->imu, "Inertial measurements (for predictors that are not available yet)")
       ->type_name("FILE");
   add_words(predict_app, "--interval-ms", given->intervals, "How far ahead; default 60");
+  predict_app.add_option("--noise-mm", given->noise_mm, "Noise of the recorded positions, for kalman; default 0.05");
+  predict_app.add_option("--noise-deg", given->noise_deg,
+                         "Noise of the recorded orientations, for kalman; default 0.0172 (0.3 mrad)");
   predict_app.add_flag("--lenient", given->lenient, "Drop and count bad rows instead of stopping");
   add_json(predict_app, given->json);
   predict_app.footer("Example:\n  swimlab predict head.tum --interval-ms 20,60,100 --json predict.json");
@@ -283,6 +286,15 @@ void add_predict_command(CLI::App& app, int& exit_code) {
     o.lenient = given->lenient;
     o.intervals_ms = numbers_of("--interval-ms", given->intervals.empty() ? Words{"60"} : given->intervals, 0.0, 1000.0,
                                 "milliseconds, 0 to 1000");
+    if (!given->noise_mm.empty()) {
+      o.noise.position_m =
+          1e-3 * number_of("--noise-mm", given->noise_mm, 1e-4, 1e3, "millimetres, 0.0001 to 1000: standard deviation");
+    }
+    if (!given->noise_deg.empty()) {
+      o.noise.orientation_rad =
+          degrees(number_of("--noise-deg", given->noise_deg, 1e-5, 90.0, "degrees, 0.00001 to 90: standard deviation"))
+              .radians();
+    }
     exit_code = predict(o);
   });
 }

@@ -43,6 +43,7 @@ struct RunOptions {
 struct PredictOptions {
   std::filesystem::path trajectory, imu, json;
   std::vector<double> intervals_ms;
+  holdfast::PoseNoise noise = holdfast::PoseFilterSettings().noise;  ///< of the recording, as the filter is told
   bool lenient = false;
 };
 

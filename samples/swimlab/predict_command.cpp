@@ -18,7 +18,7 @@ using io::ResultJson;
 
 namespace {
 
-constexpr std::array later_predictors{"constant_acceleration", "gyro", "kalman", "kalman_inertial"};
+constexpr std::array later_predictors{"constant_acceleration", "gyro", "kalman_inertial"};
 
 ResultJson summary_json(const ErrorStatistics& s) {
   return {
@@ -41,13 +41,13 @@ ErrorStatistics screen_error(const PredictorRow& row) {
   return statistics_of(std::move(errors));
 }
 
-ResultJson block_json(double interval_ms, const PredictorEvaluation& evaluation) {
+ResultJson block_json(double interval_ms, const PredictorEvaluation& evaluation, const PoseNoise& noise) {
   ResultJson json;
   json["schema"] = "holdfast/predict/1";
   json["interval_ms"] = interval_ms;
   json["rows"] = ResultJson::array();
   for (const PredictorRow& row : evaluation.rows) {
-    json["rows"].push_back({{"predictor", to_string(row.predictor)},
+    json["rows"].push_back({{"predictor", row.predictor},
                             {"angle_deg", summary_json(row.angle_deg)},
                             {"position_mm", summary_json(row.position_mm)},
                             {"screen_px", summary_json(screen_error(row))},
@@ -55,6 +55,8 @@ ResultJson block_json(double interval_ms, const PredictorEvaluation& evaluation)
   }
   json["samples"] = evaluation.rows.empty() ? 0 : evaluation.rows.front().errors.size();
   json["skipped"] = evaluation.skipped;
+  json["kalman_noise"] = {{"position_mm", 1e3 * noise.position_m},
+                          {"orientation_deg", radians(noise.orientation_rad).degrees()}};
   json["not_available_yet"] = later_predictors;
   return json;
 }
@@ -87,7 +89,7 @@ int predict(const PredictOptions& options) {
     throw io::InputError({.key = "--imu",
                           .problem = "inertial predictors are not available yet",
                           .value = options.imu.string(),
-                          .expected = "no --imu: none and constant_velocity need poses alone"});
+                          .expected = "no --imu: none, constant_velocity and kalman need poses alone"});
   }
   const std::filesystem::path json_file = checked_json_file(options.json);
   const io::TrajectoryFile recording =
@@ -97,6 +99,7 @@ int predict(const PredictOptions& options) {
   for (const double interval_ms : options.intervals_ms) {
     EvaluationSettings settings;
     settings.interval = from_milliseconds(interval_ms);
+    settings.filter.noise = options.noise;
     const PredictorEvaluation evaluation = evaluate_predictors(recording.samples, settings);
     if (evaluation.rows.empty() || evaluation.rows.front().errors.empty()) {
       throw io::InputError({.file = options.trajectory.string(),
@@ -104,12 +107,14 @@ int predict(const PredictOptions& options) {
                                        std::to_string(std::lround(interval_ms)) + " ms",
                             .expected = "a recording that lasts longer than the interval"});
     }
-    blocks.push_back(block_json(interval_ms, evaluation));
+    blocks.push_back(block_json(interval_ms, evaluation, settings.filter.noise));
     print_block(blocks.back());
   }
   std::printf("\nnot available yet:");
   for (const char* name : later_predictors) std::printf(" %s", name);
   std::printf("\nscreen px: a point 1 m ahead, in a picture of 1280 pixels over 60 degrees\n");
+  std::printf("kalman: takes the poses for noisy by %.3g mm and %.3g deg (--noise-mm, --noise-deg)\n",
+              1e3 * options.noise.position_m, radians(options.noise.orientation_rad).degrees());
   if (json_file.empty()) return done;
   // One interval: the contract's object. Several: the first one's, with all of them under "intervals".
   ResultJson json = blocks.front();

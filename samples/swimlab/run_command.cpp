@@ -60,11 +60,11 @@ struct Variant {
   std::optional<DeflectionKind> deflection;
 };
 
-/// Each pipeline with each way of deflecting; P0 and P1 do not. What would do the same as another is left out, such as
+/// Each pipeline with each way of deflecting; P0 to P2 do not. What would do the same as another is left out, such as
 /// P5 with a shift beside P4 with a shift.
 std::vector<Variant> variants_of(const RunOptions& options, bool rolling) {
   std::vector<Variant> variants;
-  std::vector<std::tuple<Predictor, DeflectionKind, bool>> seen;
+  std::vector<std::tuple<std::optional<Predictor>, DeflectionKind, bool>> seen;
   for (const Pipeline pipeline : options.pipelines) {
     const DeflectionKind own = deflection_of(pipeline);
     for (const std::optional<DeflectionKind>& asked : options.deflections) {

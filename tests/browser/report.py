@@ -77,11 +77,11 @@ def check_mouse(page):
     modes = page.run("return [...document.querySelectorAll('.tabs.small button')].map((b) => b.dataset.mode)")
     expect(modes == ["close", "detail", "whole", "alone"], f"the contact sheet's modes are {modes}")
     rows = "return document.querySelectorAll('.sheet tbody tr').length"
-    expect(page.run(rows) == 5, f"real and four pipelines (P6 is P5 on this display) make five rows, not {page.run(rows)}")
+    expect(page.run(rows) == 6, f"real and five pipelines (P6 is P5 on this display) make six rows, not {page.run(rows)}")
     cards = page.run("return document.querySelectorAll('.cards .card').length")
-    expect(cards == 4, f"four pipelines make four cards, not {cards}")
+    expect(cards == 5, f"five pipelines make five cards, not {cards}")
     numbers = page.run("return [...document.querySelectorAll('.sheet tbody tr:nth-child(n + 2) small')].map((e) => e.textContent)")
-    expect(len(numbers) == 20 and all("px" in n for n in numbers), f"the errors under the pictures are {numbers}")
+    expect(len(numbers) == 25 and all("px" in n for n in numbers), f"the errors under the pictures are {numbers}")
     source = "return document.querySelector('.sheet tbody tr:last-child img').src"
     detail = page.run(source)
     page.run("document.querySelector('.tabs.small [data-mode=whole]').click()")
@@ -95,7 +95,7 @@ def check_mouse(page):
     page.run("document.querySelector('.chart header [aria-pressed]').click()")
     expect(page.run(pressed) == "false", "the linear scale cannot be chosen")
     expect(page.run(CHARTS)[0]["drawn"] > 200, "nothing is drawn on a linear scale")
-    expect(page.run("return document.querySelector('main').textContent.includes('P2, Kalman')"), "what is to come is not told")
+    expect(page.run("return document.querySelector('main').textContent.includes('P3, Kalman')"), "what is to come is not told")
     page.run("document.querySelector('.sheet .picture').click()")
     expect(page.run("return document.getElementById('lightbox').open"), "a picture does not enlarge")
     page.run("document.querySelector('#lightbox button').click()")

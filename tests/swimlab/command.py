@@ -53,7 +53,7 @@ class BadUse(Case):
                 self.refused(["run", f"{option}={value}", "--out", "r"], option, value, expected)
 
     def test_later_pipelines_are_not_available_yet(self):
-        for pipeline in ["P2", "P3", "P2,P3"]:
+        for pipeline in ["P3", "P3,P3"]:
             self.refused(["run", "--pipeline", pipeline, "--out", "r"], "--pipeline", pipeline[:2], "not available yet", "Kalman")
 
     def test_a_deflection_needs_a_pipeline_that_deflects(self):
@@ -165,8 +165,8 @@ class Run(Case):
         self.assertEqual(summary["seed"], 1)
         for key in ["backend", "gl_version", "gl_renderer"]:
             self.assertTrue(summary["environment"][key])
-        self.assertEqual(len(summary["rows"]), 2 * 2 * 5)  # motions, lenses none and exact, pipelines P0, P1, P4, P5, P6
-        self.assertEqual([entry["pipeline"] for entry in summary["not_available"]], ["P2", "P3"])
+        self.assertEqual(len(summary["rows"]), 2 * 2 * 6)  # motions, lenses none and exact, pipelines P0, P1, P2, P4, P5, P6
+        self.assertEqual([entry["pipeline"] for entry in summary["not_available"]], ["P3"])
         for row in summary["rows"]:
             self.check_row(row)
         self.assertEqual({check["value"] for check in summary["checks"]}, {1, 2, 4, 5, 6, 7, 8, 9})
@@ -220,8 +220,8 @@ class Run(Case):
                          cwd=self.dir)
         self.assertEqual(answer.returncode, 0, answer.stdout + answer.stderr)
         summary = strict_json((self.dir / "r/summary.json").read_text())
-        self.assertEqual([row["pipeline"] for row in summary["rows"]], ["P0", "P1", "P4", "P5", "P6"])
-        self.assertEqual([entry["pipeline"] for entry in summary["not_available"]], ["P2", "P3"])
+        self.assertEqual([row["pipeline"] for row in summary["rows"]], ["P0", "P1", "P2", "P4", "P5", "P6"])
+        self.assertEqual([entry["pipeline"] for entry in summary["not_available"]], ["P3"])
         for entry in summary["not_available"]:
             self.assertIn("not available yet", entry["reason"])
             self.assertIn(entry["pipeline"] + ", ", answer.stdout)
@@ -284,16 +284,28 @@ class Predict(Case):
         result = strict_json((self.dir / "p.json").read_text())
         self.assertEqual(result["schema"], "holdfast/predict/1")
         self.assertEqual(result["interval_ms"], 60)
-        self.assertEqual([row["predictor"] for row in result["rows"]], ["none", "constant_velocity"])
+        self.assertEqual([row["predictor"] for row in result["rows"]], ["none", "constant_velocity", "kalman"])
         for row in result["rows"]:
             for key in ["angle_deg", "position_mm", "screen_px"]:
                 self.assertLessEqual(row[key]["mean"], row[key]["p95"])
                 self.assertLessEqual(row[key]["p95"], row[key]["peak"])
-        none, velocity = result["rows"]
+        none, velocity, kalman = result["rows"]
         # Mostly a yaw of 15 deg at 1 Hz: 2 sin(x/2) and about x^2/2 of the amplitude, x = 0.377.
         self.assertAlmostEqual(none["angle_deg"]["peak"], 15 * 2 * math.sin(0.1885), delta=0.8)
         self.assertLess(velocity["angle_deg"]["mean"], 0.35 * none["angle_deg"]["mean"])
-        self.assertIn("kalman_inertial", result["not_available_yet"])
+        # It starts without a velocity; once it has one, it also knows how that changes.
+        self.assertLess(kalman["angle_deg"]["mean"], 0.9 * velocity["angle_deg"]["mean"])
+        self.assertEqual(result["not_available_yet"], ["constant_acceleration", "gyro", "kalman_inertial"])
+        self.assertAlmostEqual(result["kalman_noise"]["position_mm"], 0.05)
+        # A filter that believes in no pose follows none.
+        answer = swimlab("predict", "m.tum", "--noise-mm", "100", "--noise-deg", "30", "--json", "p.json", cwd=self.dir)
+        self.assertEqual(answer.returncode, 0, answer.stderr)
+        sluggish = strict_json((self.dir / "p.json").read_text())
+        self.assertAlmostEqual(sluggish["kalman_noise"]["orientation_deg"], 30.0)
+        self.assertGreater(sluggish["rows"][2]["angle_deg"]["mean"], 3 * kalman["angle_deg"]["mean"])
+        self.assertEqual(sluggish["rows"][:2], result["rows"][:2])
+        for wrong in ["0", "x", "-1"]:
+            self.refused(["predict", "m.tum", "--noise-mm", wrong], "--noise-mm", wrong)
 
     def test_inertial_is_not_available_yet(self):
         write_motion(self.dir / "m.tum")
@@ -306,10 +318,12 @@ class Predict(Case):
             self.skipTest("recordings are not here")
         answer = swimlab("predict", recording, "--interval-ms", "58.3", "--json", "p.json", cwd=self.dir)
         self.assertEqual(answer.returncode, 0, answer.stderr)
-        none, velocity = strict_json((self.dir / "p.json").read_text())["rows"]
+        none, velocity, kalman = strict_json((self.dir / "p.json").read_text())["rows"]
         # The README of the recordings prints 1.12 and 0.33 deg, rounded.
         self.assertLess(none["angle_deg"]["mean"], 1.125)
         self.assertLess(velocity["angle_deg"]["mean"], 0.335)
+        self.assertLess(kalman["angle_deg"]["mean"], velocity["angle_deg"]["mean"])
+        self.assertLess(kalman["position_mm"]["mean"], 0.8 * velocity["position_mm"]["mean"])
 
 
 class Latency(Case):

@@ -1,15 +1,16 @@
 /// How well predictors would have done on a recording: 001's figure 6 on any samples.
 ///
-/// At every sample i the tracker knows samples 0..i. The velocity is the backward difference of sample i and the
-/// recording 16.7 ms earlier (interpolated between known samples; where samples are rarer, the sample before). Each
-/// predictor extrapolates over the interval, and the result is compared with the truth at t_i + interval: by default
-/// the recording itself, interpolated (linear, constant rate), or a truth of your own, such as its non-causal 10 Hz
-/// low-pass (001 appendix B).
+/// At every sample i the tracker knows samples 0..i. Each predictor extrapolates over the interval:
+///   none, constant_velocity   the velocity is the backward difference of sample i and the recording 16.7 ms earlier
+///                             (interpolated between known samples; where samples are rarer, the sample before)
+///   kalman                    a filter of all samples since the last gap (pose_filter.hpp), carried on by its model
+/// and the result is compared with the truth at t_i + interval: by default the recording itself, interpolated (linear,
+/// constant rate), or a truth of your own, such as its non-causal 10 Hz low-pass (001 appendix B).
 ///   angle error     angle of R_true^-1 R_predicted, degrees (001 section 5.3 prints 2 cos(qw) for 2 acos(|qw|))
 ///   position error  |p_predicted - p_true|, millimetres
 ///
 /// A sample is left out when a gap (an interval longer than five medians) lies between its velocity's start and its
-/// truth, or when the recording ends before: counted in `skipped`. The order of rows is that of `predictors`.
+/// truth, or when the recording ends before: counted in `skipped`. All rows speak of the same samples, in the order above.
 /// Precondition: samples' times strictly increase. Bad input: fewer samples than one evaluation needs gives rows of
 /// zero samples.
 #pragma once
@@ -19,6 +20,7 @@
 #include <cmath>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include <holdfast/geometry/angle.hpp>
@@ -26,7 +28,9 @@
 #include <holdfast/prediction/error_statistics.hpp>
 #include <holdfast/prediction/jitter.hpp>
 #include <holdfast/prediction/predictor.hpp>
+#include <holdfast/prediction/state_prediction.hpp>
 #include <holdfast/tracking/backward_difference.hpp>
+#include <holdfast/tracking/pose_filter.hpp>
 
 namespace holdfast {
 
@@ -39,7 +43,7 @@ struct PredictionError {
 };
 
 struct PredictorRow {
-  Predictor predictor = Predictor::none;
+  std::string_view predictor;  ///< its name in results
   ErrorStatistics angle_deg, position_mm;
   /// Orientation error between 3 and 12 Hz, root mean square (jitter.hpp). Errors count as evenly spaced by the median
   /// interval, also across what was skipped. Nothing for less than 1 s of them.
@@ -52,7 +56,14 @@ struct EvaluationSettings {
   Duration velocity_window = std::chrono::microseconds(16700);
   /// An evaluation shall show what a long interval does, not the clamp.
   PredictionLimits limits{std::chrono::hours(1)};
+  // Of the Kalman filter.
+  PvaModel model = head_model();
+  PoseFilterSettings filter;
 };
+
+/// Names of the rows, in their order.
+inline constexpr std::array<std::string_view, 3> evaluated_predictors{
+    to_string(Predictor::none), to_string(Predictor::constant_velocity), "kalman"};
 
 struct PredictorEvaluation {
   Duration interval{0};
@@ -114,9 +125,9 @@ struct Stretches {
                                                              const EvaluationSettings& settings = {}) {
   PredictorEvaluation evaluation;
   evaluation.interval = settings.interval;
-  for (const Predictor predictor : predictors) {
+  for (const std::string_view name : evaluated_predictors) {
     evaluation.rows.emplace_back();
-    evaluation.rows.back().predictor = predictor;
+    evaluation.rows.back().predictor = name;
     evaluation.rows.back().errors.reserve(samples.size());
   }
   if (samples.empty() || truth.size() < 2) {
@@ -124,12 +135,19 @@ struct Stretches {
     return evaluation;
   }
   evaluation.skipped = 1;  // the first sample has no velocity
-  std::array<std::vector<Vector3>, predictors.size()> error_vectors;
+  std::array<std::vector<Vector3>, evaluated_predictors.size()> error_vectors;
   const Duration usual = median_interval(samples);
   const double rate_hz = usual > Duration{0} ? 1.0 / to_seconds(usual) : 0.0;
   const detail::Stretches stretches(samples, 5 * usual);
   detail::Walker known(samples), future(truth);
+  PoseFilter<3> filter(settings.model, settings.filter);
+  filter.start(samples[0]);
   for (std::size_t i = 1; i < samples.size(); ++i) {
+    if (stretches.first[i] == samples[i].t) {
+      filter.start(samples[i]);
+    } else {
+      filter.update(samples[i]);
+    }
     const HostTime target = samples[i].t + settings.interval;
     const HostTime earlier = std::min(samples[i].t - settings.velocity_window, samples[i - 1].t);
     if (earlier < stretches.first[i] || target > stretches.last[i] || target > truth.back().t) {
@@ -138,13 +156,17 @@ struct Stretches {
     }
     const PoseEstimate estimate = backward_difference({earlier, known.at(earlier)}, samples[i]);
     const Rigid X_WB_true = future.at(target);
+    const auto add = [&](std::size_t row, const PredictionResult& predicted) {
+      evaluation.rows[row].errors.push_back(detail::error_of(predicted, X_WB_true));
+      error_vectors[row].push_back(so3::log<double>(X_WB_true.q().conjugate() * predicted.X_WB.q()));
+    };
     for (std::size_t k = 0; k < predictors.size(); ++k) {
-      const PredictionResult predicted = predict(predictors[k], estimate, target, settings.limits);
-      evaluation.rows[k].errors.push_back(detail::error_of(predicted, X_WB_true));
-      error_vectors[k].push_back(so3::log<double>(X_WB_true.q().conjugate() * predicted.X_WB.q()));
+      add(k, predict(predictors[k], estimate, target, settings.limits));
     }
+    const StatePredictionLimits limits{settings.limits.maximum_interval};
+    add(predictors.size(), predict_state(filter.state(), filter.model(), target, limits));
   }
-  for (std::size_t k = 0; k < predictors.size(); ++k) {
+  for (std::size_t k = 0; k < evaluation.rows.size(); ++k) {
     PredictorRow& row = evaluation.rows[k];
     std::vector<double> series(row.errors.size());
     std::ranges::transform(row.errors, series.begin(), &PredictionError::angle_deg);

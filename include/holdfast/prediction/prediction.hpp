@@ -6,3 +6,4 @@
 #include <holdfast/prediction/jitter.hpp>
 #include <holdfast/prediction/predictor.hpp>
 #include <holdfast/prediction/predictor_theory.hpp>
+#include <holdfast/prediction/state_prediction.hpp>

@@ -39,6 +39,13 @@ namespace holdfast {
   if (settings.velocity_baseline <= Duration{0} || settings.velocity_baseline > std::chrono::seconds(1)) {
     return std::string("velocity baseline: must be above 0, at most 1000 ms");
   }
+  if (settings.tracker_interval <= Duration{0} || settings.tracker_interval > std::chrono::seconds(1)) {
+    return std::string("tracker interval: must be above 0, at most 1000 ms");
+  }
+  if (const auto problem = settings.filter_model.problem()) return "filter model: " + std::string(*problem);
+  if (!(settings.filter.noise.position_m > 0.0) || !(settings.filter.noise.orientation_rad > 0.0)) {
+    return std::string("filter noise: must be above 0");
+  }
   const EyeModel& eye = settings.hmd.eye(settings.eye);
   if (eye.resolution.width < 1 || eye.resolution.height < 1)
     return std::string("eye resolution: must be 1 x 1 or more");

@@ -22,12 +22,14 @@
 #include <holdfast/optics/overfill.hpp>
 #include <holdfast/registration/scene_fiducials.hpp>
 #include <holdfast/timing/clock.hpp>
+#include <holdfast/tracking/pose_filter.hpp>
 
 namespace holdfast {
 
 /// The pipelines of evaluation.md, on the predictors there are. P0 shows the newest measured pose, P1 extrapolates it at
-/// constant velocity. P4 draws as P1 does, and turns the finished picture to a late pose (rotation); P5 moves each point
-/// by its distance too (depth); P6 does so line by line of a rolling scan-out. P2 and P3 need trackers that are to come.
+/// constant velocity; P2 filters all poses measured so far, and carries its state on by the
+/// filter's model. P4 draws as P1 does, and turns the finished picture to a late pose (rotation); P5 moves each point by
+/// its distance too (depth); P6 does so line by line of a rolling scan-out. P3 needs a tracker that is to come.
 enum class Pipeline { p0, p1, p2, p3, p4, p5, p6 };
 
 inline constexpr std::array pipelines{Pipeline::p0, Pipeline::p1, Pipeline::p2, Pipeline::p3,
@@ -53,7 +55,6 @@ inline constexpr std::array pipelines{Pipeline::p0, Pipeline::p1, Pipeline::p2, 
 }
 /// Why a pipeline cannot be run yet; empty when it can.
 [[nodiscard]] constexpr std::string_view unavailable_reason(Pipeline pipeline) {
-  if (pipeline == Pipeline::p2) return "not available yet: it needs the Kalman tracker without inertial sensors";
   if (pipeline == Pipeline::p3) return "not available yet: it needs the Kalman tracker with inertial sensors";
   return {};
 }
@@ -67,8 +68,9 @@ inline constexpr std::array pipelines{Pipeline::p0, Pipeline::p1, Pipeline::p2, 
   return DeflectionKind::none;
 }
 
-/// Where the velocity comes from: the motion's own derivative, as an ideal rate gyro's (generated motions), or the
-/// causal difference of two poses (recordings: their spline looks ahead, so its derivative would be a prophet's).
+/// Where the velocity of P1 and P4 to P6 comes from: the motion's own derivative, as an ideal rate gyro's (generated
+/// motions), or the causal difference of two poses (recordings: their spline looks ahead, so its derivative would be a
+/// prophet's).
 enum class VelocitySource { exact, backward_difference };
 
 struct ExperimentSettings {
@@ -82,7 +84,11 @@ struct ExperimentSettings {
   Rigid X_HT;                                        ///< static error: the tracker says X_WH * X_HT where X_WH is true
   VelocitySource velocity = VelocitySource::exact;
   Duration velocity_baseline = std::chrono::microseconds(16700);  ///< between the two poses of the backward difference
-  std::size_t frames = 0;                                         ///< 0: as many as the motion lasts
+  /// P2 alone: the tracker measures at least so often, and then when the others' pose is measured.
+  Duration tracker_interval = std::chrono::microseconds(8334);
+  PvaModel filter_model = head_model();
+  PoseFilterSettings filter;
+  std::size_t frames = 0;  ///< 0: as many as the motion lasts
 
   // Of the pipelines that deflect.
   std::optional<DeflectionKind> deflection;        ///< instead of the pipeline's own (an ablation), with any pipeline

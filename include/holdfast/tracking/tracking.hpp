@@ -22,6 +22,8 @@
 #include <holdfast/tracking/innovation.hpp>
 #include <holdfast/tracking/innovation_gate.hpp>
 #include <holdfast/tracking/joint_angles.hpp>
+#include <holdfast/tracking/joint_filter.hpp>
+#include <holdfast/tracking/joint_state.hpp>
 #include <holdfast/tracking/mcaat_filter.hpp>
 #include <holdfast/tracking/measurement.hpp>
 #include <holdfast/tracking/measurement_ordering.hpp>
@@ -32,6 +34,7 @@
 #include <holdfast/tracking/pinhole_sighting.hpp>
 #include <holdfast/tracking/plane_intersection.hpp>
 #include <holdfast/tracking/pose_estimate.hpp>
+#include <holdfast/tracking/pose_filter.hpp>
 #include <holdfast/tracking/pose_measurement.hpp>
 #include <holdfast/tracking/process_model.hpp>
 #include <holdfast/tracking/range.hpp>

@@ -37,8 +37,9 @@ struct FramePlanOfExperiment {
   plan.timing = settings.hmd.timing;
   const Duration half_scan =
       plan.timing.scan_out == ScanOut::rolling ? plan.timing.scan_duration / 2 + Duration{1} : Duration{0};
-  plan.warm_up =
-      std::max<Duration>(std::chrono::milliseconds(200), settings.latency + settings.velocity_baseline + half_scan);
+  // What the predictor needs before its first measurement that counts.
+  const Duration known = predictor_of(settings.pipeline) ? settings.velocity_baseline : std::chrono::milliseconds(100);
+  plan.warm_up = std::max<Duration>(std::chrono::milliseconds(200), settings.latency + known + half_scan);
   plan.first_vsync = next_vsync_number(plan.timing, motion.begin() + plan.warm_up - vsync_to_middle(plan.timing));
   const HostTime last = motion.end() - half_scan;
   if (plan.middle_of(0) > last) return plan;
@@ -105,6 +106,7 @@ class ExperimentRun {
         how_(deflection_of(settings)),
         drawn_(drawn_view(believed_, settings)),
         on_{eye_, believed_, settings.lens, settings.hmd.timing},
+        poses_(motion, settings),
         swim_(scene.discs.size()) {
     if (measures == Measures::all) view_.emplace(on_);
   }
@@ -151,8 +153,8 @@ class ExperimentRun {
 
  private:
   /// The picture of the frame, and what the pipeline makes of it.
-  void show(FrameRecord& record) const {
-    const Rigid X_WH_drawn = drawn_pose(motion_, settings_, record.t_display);
+  void show(FrameRecord& record) {
+    const Rigid X_WH_drawn = poses_.drawn(record.t_display);
     ShownPicture& shown = record.shown;
     shown.view = drawn_;
     shown.view.X_WS = X_WH_drawn * believed_.X_HE;
@@ -162,7 +164,7 @@ class ExperimentRun {
     shown.t_late = record.t_measured;
     record.X_WH_displayed = X_WH_drawn;
     if (how_.kind != DeflectionKind::none) {
-      const LateHeadPoses late = late_poses(motion_, settings_, record.t_display);
+      const LateHeadPoses late = poses_.late(record.t_display);
       shown.late = late.of_eye(believed_.X_HE);
       shown.t_late = late_time(settings_, record.t_display);
       shown.deflection = deflect(how_, shown.view, shown.late);
@@ -306,6 +308,7 @@ class ExperimentRun {
   DeflectionSettings how_;
   RenderedView drawn_;  // without pose and time
   ShownOn on_;
+  PipelinePoses poses_;
   SwimMeter swim_;
   std::size_t frames_ = 0;
   bool is_still_ = true;

@@ -1,20 +1,20 @@
 #include "lens_pictures.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <iterator>
 #include <map>
 #include <optional>
 #include <set>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include <holdfast/io/results.hpp>
 #include <holdfast/optics/mesh_overfill.hpp>
+
+#include "lens_canvas.hpp"
+#include "mesh_lines.hpp"
 
 namespace swimlab {
 
@@ -22,116 +22,13 @@ using namespace holdfast;
 
 namespace {
 
-constexpr double margin = 56.0, heading = 64.0, longest_side = 880.0;
 constexpr const char* line_colours[] = {"#ff5a4d", "#4dff6a", "#5a7dff"};  // add up to white
 constexpr const char* only_colour = "#e8f1ff";
 
-std::string text_of(const char* format, auto... values) {
-  char text[512];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
-
-std::string escaped(const std::string& plain) {
-  std::string out;
-  for (const char c : plain) {
-    if (c == '&') {
-      out += "&amp;";
-    } else if (c == '<') {
-      out += "&lt;";
-    } else if (static_cast<unsigned char>(c) >= ' ') {
-      out += c;
-    }
-  }
-  return out;
-}
-
-/// A rectangle of any unit, Y up, shown as large as fits.
-class Canvas {
- public:
-  Canvas(const FieldTangents& shown, const std::string& title, const std::string& subtitle) : shown_(shown) {
-    const double w = std::abs(shown.right - shown.left), h = std::abs(shown.up - shown.down);
-    scale_ = longest_side / std::max(w, h);
-    width_ = w * scale_;
-    height_ = h * scale_;
-    const double whole_width = std::max(width_ + 2.0 * margin, 880.0);
-    left_ = (whole_width - width_) / 2.0;
-    svg_ = text_of(
-        "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 %.0f %.0f' font-family='sans-serif' font-size='13'>\n"
-        "<rect width='100%%' height='100%%' fill='white'/>\n"
-        "<rect x='%.1f' y='%.1f' width='%.1f' height='%.1f' fill='black'/>\n",
-        whole_width, height_ + heading + margin, left_, heading, width_, height_);
-    svg_ += text_of("<text x='%.1f' y='27' font-size='18' fill='#111'>", margin) + escaped(title) + "</text>\n";
-    svg_ += text_of("<text x='%.1f' y='48' fill='#555'>", margin) + escaped(subtitle) + "</text>\n";
-  }
-
-  [[nodiscard]] Vector2 place(const Vector2& p) const {
-    return {left_ + (p.x() - shown_.left) / (shown_.right - shown_.left) * width_,
-            heading + (shown_.up - p.y()) / (shown_.up - shown_.down) * height_};
-  }
-  [[nodiscard]] bool holds(const Vector2& p) const {
-    const Vector2 at = place(p);
-    return at.x() >= left_ - 0.5 && at.x() <= left_ + width_ + 0.5 && at.y() >= heading - 0.5 &&
-           at.y() <= heading + height_ + 0.5;
-  }
-
-  void add(const std::string& element) { svg_ += element; }
-  void add_lines(const std::vector<std::vector<Vector2>>& lines, const std::string& style) {
-    svg_ += "<path fill='none' " + style + " d='";
-    for (const std::vector<Vector2>& line : lines) svg_ += path_of(line);
-    svg_ += "'/>\n";
-  }
-  /// In steps of a tenth of a pixel; points nearer than a pixel to the one before are left out, but for a line's last.
-  [[nodiscard]] std::string path_of(const std::vector<Vector2>& line) const {
-    std::string path;
-    long x = 0, y = 0;
-    for (std::size_t i = 0; i < line.size(); ++i) {
-      const Vector2 p = place(line[i]);
-      const long dx = std::lround(10.0 * p.x()) - x, dy = std::lround(10.0 * p.y()) - y;
-      if (i > 0 && i + 1 < line.size() && dx * dx + dy * dy < 100) continue;
-      const double step_x = static_cast<double>(dx) / 10.0, step_y = static_cast<double>(dy) / 10.0;
-      path += text_of("%c%g %g", i == 0 ? 'M' : 'l', step_x, step_y);
-      x += dx;
-      y += dy;
-    }
-    return path;
-  }
-  void add_label(const Vector2& at, const std::string& text, const char* anchor, double dx, double dy,
-                 const char* colour) {
-    const Vector2 p = place(at);
-    svg_ += text_of("<text x='%.1f' y='%.1f' text-anchor='%s' fill='%s'>%s</text>\n", p.x() + dx, p.y() + dy, anchor,
-                    colour, text.c_str());
-  }
-  /// Ticks below and left of the picture, where a line of the grid leaves it.
-  void add_ticks(const std::vector<std::pair<double, std::string>>& x,
-                 const std::vector<std::pair<double, std::string>>& y) {
-    for (const auto& [value, label] : x) add_label(Vector2(value, shown_.down), label, "middle", 0.0, 18.0, "#444");
-    for (const auto& [value, label] : y) add_label(Vector2(shown_.left, value), label, "end", -7.0, 4.5, "#444");
-  }
-  [[nodiscard]] std::string finished() && { return std::move(svg_) + "</svg>\n"; }
-
- private:
-  FieldTangents shown_;
-  double scale_ = 1.0, width_ = 0.0, height_ = 0.0, left_ = 0.0;
-  std::string svg_;
-};
-
-/// A point of the mesh: on the panel, 0 to 1, and the tangent that a colour shows there.
-struct MeshPoint {
-  Vector2 panel, tangent;
-};
-MeshPoint between(const MeshPoint& a, const MeshPoint& b, double t) {
-  return {a.panel + t * (b.panel - a.panel), a.tangent + t * (b.tangent - a.tangent)};
-}
-
 /// Where a point of the mesh is shown.
 using Placing = std::function<Vector2(const MeshPoint&, Color)>;
-using Line = std::vector<Vector2>;
-
-MeshPoint mesh_point(const PredistortionVertex& v, std::size_t c) {
-  return {Vector2(static_cast<double>(v.panel_x), static_cast<double>(v.panel_y)),
-          Vector2(static_cast<double>(v.tangent[c][0]), static_cast<double>(v.tangent[c][1]))};
-}
+using Line = LensCanvas::Line;
+using Ticks = LensCanvas::Ticks;
 
 Vector2 pixel_of(const EyeModel& eye, const Vector2& panel) {
   return {panel.x() * eye.resolution.width, panel.y() * eye.resolution.height};
@@ -158,116 +55,14 @@ std::string degree_label(int d) {
   return text_of("%d\u00b0", d);
 }
 
-using MeshEdge = std::pair<std::uint32_t, std::uint32_t>;
-
-MeshEdge sorted(const MeshEdge& edge) {
-  return std::minmax(edge.first, edge.second);
-}
-
-/// The edge after corner i of the list of triangles, as it runs round its triangle.
-MeshEdge edge_after(const PredistortionMesh& mesh, std::size_t i) {
-  return {mesh.triangles[i], mesh.triangles[i % 3 == 2 ? i - 2 : i + 1]};
-}
-
-/// The pieces of lines that triangles hold, joined where they meet on the mesh's edges.
-class Contour {
- public:
-  void add(const std::array<MeshEdge, 2>& edges, const std::array<MeshPoint, 2>& points) {
-    for (const MeshEdge& edge : edges) at_edge_.emplace(edge, pieces_.size());
-    pieces_.push_back({edges, points, false});
-  }
-  [[nodiscard]] std::vector<std::vector<MeshPoint>> lines() && {
-    std::vector<std::vector<MeshPoint>> lines;
-    for (const bool closed : {false, true}) {  // first the lines that begin at the mesh's border
-      for (std::size_t i = 0; i < pieces_.size(); ++i) {
-        for (std::size_t end = 0; end < 2; ++end) {
-          if (pieces_[i].used || (!closed && at_edge_.count(pieces_[i].edges[end]) > 1)) continue;
-          lines.push_back(line_from(i, end));
-        }
-      }
-    }
-    return lines;
-  }
-
- private:
-  struct Piece {
-    std::array<MeshEdge, 2> edges;
-    std::array<MeshPoint, 2> points;
-    bool used;
-  };
-
-  std::vector<MeshPoint> line_from(std::size_t i, std::size_t end) {
-    std::vector<MeshPoint> line{pieces_[i].points[end]};
-    while (!pieces_[i].used) {
-      pieces_[i].used = true;
-      line.push_back(pieces_[i].points[1 - end]);
-      const MeshEdge edge = pieces_[i].edges[1 - end];
-      const auto [first, last] = at_edge_.equal_range(edge);
-      for (auto next = first; next != last; ++next) {
-        if (pieces_[next->second].used) continue;
-        i = next->second;
-        end = pieces_[i].edges[0] == edge ? 0 : 1;
-        break;
-      }
-    }
-    return line;
-  }
-
-  std::vector<Piece> pieces_;
-  std::multimap<MeshEdge, std::size_t> at_edge_;
-};
-
-/// Where the mesh's tangents along `axis` are `value`.
-std::vector<std::vector<MeshPoint>> contour(const PredistortionMesh& mesh, std::size_t colour, std::size_t axis,
-                                            double value) {
-  Contour contour;
-  for (std::size_t t = 0; t < mesh.triangles.size(); t += 3) {
-    std::array<MeshEdge, 2> edges;
-    std::array<MeshPoint, 2> points;
-    std::size_t count = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const MeshEdge edge = sorted(edge_after(mesh, t + k));
-      const double a = static_cast<double>(mesh.vertices[edge.first].tangent[colour][axis]) - value;
-      const double b = static_cast<double>(mesh.vertices[edge.second].tangent[colour][axis]) - value;
-      if ((a < 0.0) == (b < 0.0)) continue;
-      edges[count] = edge;
-      points[count++] = between(mesh_point(mesh.vertices[edge.first], colour),
-                                mesh_point(mesh.vertices[edge.second], colour), a / (a - b));
-    }
-    if (count == 2) contour.add(edges, points);
-  }
-  return std::move(contour).lines();
-}
-
-/// The mesh's outline as closed rings of vertices.
-std::vector<std::vector<std::uint32_t>> outline(const PredistortionMesh& mesh) {
-  std::set<MeshEdge> edges;
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const auto [a, b] = edge_after(mesh, i);
-    if (edges.erase({b, a}) == 0) edges.insert({a, b});
-  }
-  std::unordered_multimap<std::uint32_t, std::uint32_t> next;  // several where rings touch
-  for (const auto& [a, b] : edges) next.emplace(a, b);
-  std::vector<std::vector<std::uint32_t>> rings;
-  while (!next.empty()) {
-    std::vector<std::uint32_t>& ring = rings.emplace_back();
-    for (auto at = next.begin(); at != next.end();) {
-      ring.push_back(at->first);
-      const std::uint32_t to = at->second;
-      next.erase(at);
-      at = next.find(to);
-    }
-  }
-  return rings;
-}
-
 /// The colours to draw.
 std::vector<Color> colors_of(const PredistortionMesh& mesh) {
   return mesh.per_color ? std::vector{Color::red, Color::green, Color::blue} : std::vector{Color::green};
 }
 
 /// What is shown, by colours that are told apart or by green for all.
-void add_shown_area(Canvas& canvas, const LensSubject& s, const std::vector<Color>& colors, const Placing& placing) {
+void add_shown_area(LensCanvas& canvas, const LensSubject& s, const std::vector<Color>& colors,
+                    const Placing& placing) {
   std::string outlines;
   for (const Color color : colors) {
     const auto c = static_cast<std::size_t>(color);
@@ -289,7 +84,7 @@ void add_shown_area(Canvas& canvas, const LensSubject& s, const std::vector<Colo
 }
 
 /// The grid through the mesh, in each colour.
-void add_grid(Canvas& canvas, const LensSubject& s, const FieldTangents& field, const Placing& placing) {
+void add_grid(LensCanvas& canvas, const LensSubject& s, const FieldTangents& field, const Placing& placing) {
   canvas.add("<g style='isolation:isolate'>\n");
   for (const Color color : colors_of(s.mesh)) {
     const auto c = static_cast<std::size_t>(color);
@@ -337,7 +132,7 @@ std::vector<Line> seen_pieces(const std::function<std::optional<Vector2>(double)
 }
 
 /// The grid as it is seen when the application draws it straight.
-void add_uncorrected_grid(Canvas& canvas, const EyeModel& eye, const FieldTangents& field) {
+void add_uncorrected_grid(LensCanvas& canvas, const EyeModel& eye, const FieldTangents& field) {
   const FieldTangents panel = panel_tangents(eye);
   std::vector<Line> all;
   for (int axis = 0; axis < 2; ++axis) {
@@ -361,9 +156,9 @@ std::string title_of(const LensSubject& s, const char* what) {
   return s.hmd + ", " + std::string(io::name_of(s.eye.side)) + " eye: " + what;
 }
 
-std::vector<std::pair<double, std::string>> pixel_ticks(int count) {
+Ticks pixel_ticks(int count) {
   const int step = count > 1600 ? 400 : count > 700 ? 200 : 100;
-  std::vector<std::pair<double, std::string>> ticks;
+  Ticks ticks;
   for (int px = 0; px <= count; px += step) ticks.emplace_back(px, std::to_string(px) + (px == 0 ? " px" : ""));
   return ticks;
 }
@@ -376,9 +171,9 @@ FieldTangents panel_in_pixels(const EyeModel& eye) {
 
 std::string drawn_picture(const LensSubject& s) {
   const FieldTangents field = shown_field(s.mesh).value();
-  Canvas canvas(panel_in_pixels(s.eye), title_of(s, "as drawn on the panel"),
-                std::string("A grid of equal angles, predistorted by the mesh") +
-                    (s.mesh.per_color ? " for red, green and blue" : "") + ". Black: nothing is drawn there.");
+  LensCanvas canvas(panel_in_pixels(s.eye), title_of(s, "as drawn on the panel"),
+                    std::string("A grid of equal angles, predistorted by the mesh") +
+                        (s.mesh.per_color ? " for red, green and blue" : "") + ". Black: nothing is drawn there.");
   const Placing placing = [&](const MeshPoint& p, Color) { return pixel_of(s.eye, p.panel); };
   add_shown_area(canvas, s, {Color::green}, placing);
   add_grid(canvas, s, field, placing);
@@ -388,10 +183,10 @@ std::string drawn_picture(const LensSubject& s) {
 
 std::string seen_picture(const LensSubject& s) {
   const FieldTangents field = shown_field(s.mesh).value();
-  Canvas canvas(field, title_of(s, "as the eye sees it"),
-                std::string("The same picture through the lens: straight lines.") +
-                    (s.mesh.per_color ? " Its colours end at different places." : "") +
-                    " Dashed: the grid without correction.");
+  LensCanvas canvas(field, title_of(s, "as the eye sees it"),
+                    std::string("The same picture through the lens: straight lines.") +
+                        (s.mesh.per_color ? " Its colours end at different places." : "") +
+                        " Dashed: the grid without correction.");
   // Rounding may put a point of the border outside the lens: there the mesh itself says where it is seen.
   const Placing placing = [&](const MeshPoint& p, Color color) {
     return s.eye.lens_of(color).distort(tangent_of_pixel(s.eye, pixel_of(s.eye, p.panel))).value_or(p.tangent);
@@ -400,9 +195,8 @@ std::string seen_picture(const LensSubject& s) {
   add_shown_area(canvas, s, colors_of(s.mesh), placing);
   add_uncorrected_grid(canvas, s.eye, field);
   add_grid(canvas, s, field, placing);
-  std::vector<std::pair<double, std::string>> x, y;
-  const auto add = [](std::vector<std::pair<double, std::string>>& ticks, const std::vector<GridLine>& lines,
-                      double whole) {
+  Ticks x, y;
+  const auto add = [](Ticks& ticks, const std::vector<GridLine>& lines, double whole) {
     double last = -1e9;
     for (const GridLine& line : lines) {
       if (line.tangent - last < 0.035 * whole) continue;  // too near for a label of its own
@@ -420,7 +214,7 @@ std::string seen_picture(const LensSubject& s) {
 namespace {
 
 /// Edges that are too short to be told apart, as brightness: the share of each cell that their lines would cover.
-void add_shading(Canvas& canvas, const std::vector<Line>& edges, double line_width) {
+void add_shading(LensCanvas& canvas, const std::vector<Line>& edges, double line_width) {
   constexpr int cell = 8, levels = 16;
   std::map<std::pair<int, int>, double> length;  // row, column
   for (const Line& edge : edges) {
@@ -442,34 +236,13 @@ void add_shading(Canvas& canvas, const std::vector<Line>& edges, double line_wid
   canvas.add("</g>\n");
 }
 
-/// All edges, drawn with few breaks.
-std::vector<std::vector<std::uint32_t>> trails(std::set<MeshEdge> edges, std::size_t vertices) {
-  std::vector<std::vector<std::uint32_t>> neighbours(vertices), trails;
-  for (const auto& [a, b] : edges) {
-    neighbours[a].push_back(b);
-    neighbours[b].push_back(a);
-  }
-  while (!edges.empty()) {
-    std::vector<std::uint32_t>& trail = trails.emplace_back(1, edges.begin()->first);
-    for (std::uint32_t at = trail.front(); !neighbours[at].empty();) {
-      const std::uint32_t next = neighbours[at].back();
-      neighbours[at].pop_back();
-      if (edges.erase(sorted({at, next})) == 0) continue;
-      trail.push_back(next);
-      at = next;
-    }
-  }
-  return trails;
-}
-
 }  // namespace
 
 std::string mesh_picture(const LensSubject& s) {
-  std::set<MeshEdge> edges;
-  for (std::size_t i = 0; i < s.mesh.triangles.size(); ++i) edges.insert(sorted(edge_after(s.mesh, i)));
+  std::set<MeshEdge> edges = edges_of(s.mesh);
   constexpr std::size_t most_lines = 100'000;
   const bool is_shaded = edges.size() > most_lines;
-  Canvas canvas(
+  LensCanvas canvas(
       panel_in_pixels(s.eye), title_of(s, "the predistortion mesh"),
       text_of("%zu vertices, %zu triangles, at most %.3g px from the exact lens%s", s.mesh.vertices.size(),
               s.mesh.triangle_count(), s.mesh.max_error_px, is_shaded ? ". Short edges are drawn as brightness." : ""));

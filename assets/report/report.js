@@ -500,11 +500,12 @@ function tell(told) {
     ...told.paragraphs.map((text, i) => el(i ? "p" : "p.lead", {}, text)));
   page.append(table(told.table.columns.map((c, i) => ({ ...c, unit: unitSign(c.unit), value: (r) => (c.text ? r[i] : number(r[i])) })), told.table.rows, told.table.label));
   const grid = el("div.charts");
+  grid.style.marginTop = "24px";
   page.append(grid);
   for (const chart of told.charts) drawChart(chart, grid);
   for (const p of told.pictures) {
     grid.append(el("figure.card.chart", {}, el("header", {}, el("h3", {}, p.title)),
-      el("img", { src: "data:image/svg+xml," + encodeURIComponent(p.svg), alt: `${p.title}: ${p.caption}`, style: "width:100%" }), el("figcaption", {}, p.caption)));
+      el("img", { src: "data:image/svg+xml," + encodeURIComponent(p.svg), alt: `${p.title}: ${p.caption}`, style: "max-width:100%" }), el("figcaption", {}, p.caption)));
   }
   section("How it was made", el("pre", {}, told.command), el("p.note", {}, "Charts are drawn by dygraphs (MIT licence), embedded in this file."));
 }

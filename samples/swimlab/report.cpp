@@ -10,7 +10,6 @@
 #include <holdfast/rendering/composition.hpp>
 
 #include "charts.hpp"
-#include "report_assets.hpp"
 
 namespace swimlab {
 
@@ -69,11 +68,6 @@ Image with_arrows(const Shot& shot) {
   Image both = rendering::overlay(shot.real, shot.drawn);
   for (const Arrow& arrow : shot.arrows) draw_arrow(both, arrow);
   return both;
-}
-
-void replace_once(std::string& text, std::string_view mark, std::string_view by) {
-  const std::size_t at = text.find(mark);
-  if (at != std::string::npos) text.replace(at, mark.size(), by);
 }
 
 }  // namespace
@@ -189,31 +183,6 @@ ResultJson worst_picture(const RowResult& result) {
                                  &arrows);
   json["title"] = variant_title(result.row);
   return json;
-}
-
-std::string report_page(const ResultJson& data) {
-  std::string json = data.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  // Inside a script element only "</" and "<!--" could end it early; "<" is plain in JSON's strings.
-  std::string safe;
-  safe.reserve(json.size());
-  for (const char c : json) {
-    if (c == '<') {
-      safe += "\\u003c";
-    } else {
-      safe += c;
-    }
-  }
-  std::string page(assets::page);
-  replace_once(page, "{{chart_style}}", assets::chart_style);
-  replace_once(page, "{{style}}", assets::style);
-  replace_once(page, "{{data}}", safe);
-  // dygraphs names a source map that is not here: browsers would look for it.
-  std::string charts(assets::chart_script);
-  const std::size_t map = charts.rfind("//# sourceMappingURL");
-  if (map != std::string::npos) charts.erase(map);
-  replace_once(page, "{{chart_script}}", charts);
-  replace_once(page, "{{script}}", assets::script);
-  return page;
 }
 
 }  // namespace swimlab

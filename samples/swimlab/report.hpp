@@ -1,4 +1,4 @@
-/// Pictures of a run on disk and in the page, and the page itself.
+/// Pictures of a run on disk and in the page.
 #pragma once
 
 #include <filesystem>
@@ -8,6 +8,7 @@
 #include <holdfast/io/image.hpp>
 #include <holdfast/io/results.hpp>
 
+#include "report_page.hpp"
 #include "row_runner.hpp"
 
 namespace swimlab {
@@ -29,8 +30,5 @@ void write_pictures(const std::filesystem::path& folder, const RowResult& result
 
 /// The overlay of a row's worst frame, at half size.
 [[nodiscard]] holdfast::io::ResultJson worst_picture(const RowResult& result);
-
-/// The page with its data: one file.
-[[nodiscard]] std::string report_page(const holdfast::io::ResultJson& data);
 
 }  // namespace swimlab

@@ -1,4 +1,4 @@
-/// swimlab track: how well trackers do, on sightings of a simulated HiBall (and on recorded ranges).
+/// swimlab track: how well trackers do, on sightings of a simulated HiBall and on recorded ranges.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -9,5 +9,8 @@ void add_track_command(CLI::App& app, int& exit_code);
 
 /// `swimlab track hiball`.
 void add_track_hiball_command(CLI::App& track_app, int& exit_code);
+
+/// `swimlab track ranges`.
+void add_track_ranges_command(CLI::App& track_app, int& exit_code);
 
 }  // namespace swimlab

@@ -1,0 +1,13 @@
+/// A report's page, assembled: apart from report.hpp, for commands that draw no pictures.
+#pragma once
+
+#include <string>
+
+#include <holdfast/io/results.hpp>
+
+namespace swimlab {
+
+/// The page with its data: one file. Data with a member `page` bring their own words (report.js, `tell`).
+[[nodiscard]] std::string report_page(const holdfast::io::ResultJson& data);
+
+}  // namespace swimlab

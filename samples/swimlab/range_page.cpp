@@ -19,7 +19,11 @@ struct VariantLook {
 constexpr std::array looks{VariantLook{"P0", "#c2492f", "neither"}, VariantLook{"c", "#8a5fb0", "gate"},
                            VariantLook{"d", "#b98a16", "bias states"},
                            VariantLook{"P1", "#0f7285", "bias states and gate"}};
-constexpr std::size_t every = 4;  ///< of the ranges is enough for a curve
+
+/// Of so many places one is drawn: 1500 points make a curve.
+std::size_t stride_of(const RangeTrack& track) {
+  return std::max<std::size_t>(1, (track.places.size() + 1499) / 1500);
+}
 
 /// To a tenth of a millimetre: charts need no more.
 ResultJson rounded(double value) {
@@ -47,7 +51,7 @@ ResultJson error_chart(const std::vector<RangeTrack>& tracks) {
   ResultJson chart = time_chart("error", "Position error", "error", "Distance of the track from the truth.");
   chart["logToggle"] = true;
   for (const VariantLook& look : looks) chart["series"].push_back({{"name", look.words}, {"style", look.style}});
-  for (std::size_t i = 0; i < tracks.front().places.size(); i += every) {
+  for (std::size_t i = 0; i < tracks.front().places.size(); i += stride_of(tracks.front())) {
     ResultJson row = ResultJson::array({rounded(tracks.front().places[i].t_s)});
     for (const RangeTrack& track : tracks)
       row.push_back(rounded((track.places[i].p_W - track.places[i].true_W).norm()));
@@ -61,7 +65,7 @@ ResultJson height_chart(const std::vector<RangeTrack>& tracks, const Vector3& up
                                 "Height hangs most on the anchors' biases: all anchors are seen at a flat angle.");
   for (const VariantLook& look : looks) chart["series"].push_back({{"name", look.words}, {"style", look.style}});
   chart["series"].push_back({{"name", "truth"}, {"style", "ink"}, {"dashed", true}});
-  for (std::size_t i = 0; i < tracks.front().places.size(); i += every) {
+  for (std::size_t i = 0; i < tracks.front().places.size(); i += stride_of(tracks.front())) {
     ResultJson row = ResultJson::array({rounded(tracks.front().places[i].t_s)});
     for (const RangeTrack& track : tracks) row.push_back(rounded(track.places[i].p_W.dot(up_W)));
     row.push_back(rounded(tracks.front().places[i].true_W.dot(up_W)));
@@ -120,12 +124,13 @@ class TopView {
     std::string look, words;
   };
 
-  /// Lines of a metre.
+  /// Lines 1, 10, 100 ... m apart.
   template <typename OnPage>
   [[nodiscard]] static std::string grid(const Vector2& low, const Vector2& high, const OnPage& on_page) {
+    const double step = std::pow(10.0, std::max(0.0, std::ceil(std::log10((high - low).maxCoeff() / 20.0))));
     std::string svg;
     for (int axis = 0; axis < 2; ++axis) {
-      for (double x = std::ceil(low[axis]) + 0.0; x <= high[axis]; x += 1.0) {
+      for (double x = step * std::ceil(low[axis] / step) + 0.0; x <= high[axis]; x += step) {
         Vector2 from = low, to = high;
         from[axis] = to[axis] = x;
         const Vector2 a = on_page(from), b = on_page(to);
@@ -147,7 +152,8 @@ ResultJson path_picture(const std::vector<RangeTrack>& tracks, const Vector3& up
   TopView view(up_W);
   const auto line = [&](const RangeTrack& track, Vector3 RangeTrack::Place::*p) {
     TopView::Line points;
-    for (std::size_t i = 0; i < track.places.size(); i += every) points.push_back(view.place(track.places[i].*p));
+    for (std::size_t i = 0; i < track.places.size(); i += stride_of(track))
+      points.push_back(view.place(track.places[i].*p));
     return points;
   };
   for (const std::size_t i : {std::size_t(1), std::size_t(3)}) {
@@ -156,12 +162,11 @@ ResultJson path_picture(const std::vector<RangeTrack>& tracks, const Vector3& up
   }
   view.add(line(tracks[3], &RangeTrack::Place::true_W), "stroke='#111' stroke-width='1.2' stroke-dasharray='5 3'",
            "truth");
-  return {
-      {"title", "The path from above"},
-      {"svg", view.svg()},
-      {"caption",
-       "Lines a metre apart. A gate without states for biases turns good ranges away when they are biased, and trusts "
-       "those that happen to fit."}};
+  return {{"title", "The path from above"},
+          {"svg", view.svg()},
+          {"caption",
+           "A gate without states for biases turns good ranges away when they are biased, and trusts "
+           "those that happen to fit."}};
 }
 
 ResultJson table(const std::vector<RangeTrack>& tracks) {

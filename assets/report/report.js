@@ -7,7 +7,7 @@ const page = document.getElementById("report");
 const openCharts = [];
 
 const pipelineNames = { P0: "no prediction", P1: "constant velocity", P2: "Kalman without inertial", P3: "Kalman with inertial", P4: "late rotation", P5: "late depth warp", P6: "late depth warp per line" };
-const seriesColors = { P0: "--p0", P1: "--p1", P2: "--p2", P3: "--s3", P4: "--s2", P5: "--s4", P6: "--s5", ablation: "--s3", theory: "--theory", a: "--p0", b: "--p1", c: "--s2", d: "--s3", e: "--s4", f: "--s5" };
+const seriesColors = { P0: "--p0", P1: "--p1", P2: "--s3", P3: "--p3", P4: "--s2", P5: "--s4", P6: "--s5", ablation: "--theory", theory: "--theory", a: "--p0", b: "--p1", c: "--s2", d: "--s3", e: "--s4", f: "--s5" };
 
 // ---- small helpers -----------------------------------------------------------------------------------------------------------
 
@@ -292,7 +292,7 @@ function filtering(filtered, predicted) {
   const a = filtered && filtered.registration.peak_arcmin, b = predicted && predicted.registration.peak_arcmin;
   if (!(a > 0)) return null;
   const beside = b > 0 ? (a < 0.95 * b ? ", which is less" : a > 1.05 * b ? ", which is more: it holds on to an acceleration that is over" : ", about as much") : "";
-  return el("p", {}, "A Kalman filter of all poses measured so far (P2) also knows how the velocity changes. It leaves at most ", el("strong", {}, angle(a)), `${beside}.`);
+  return el("p", {}, "A Kalman filter of all poses measured so far (P2) also estimates how the velocity changes. It leaves at most ", el("strong", {}, angle(a)), `${beside}.`);
 }
 
 /** What a late correction of the finished picture leaves, and what each further step of it removes. */

@@ -7,16 +7,10 @@
 #include <holdfast/tracking/camera_sighting.hpp>
 #include <holdfast/tracking/innovation.hpp>
 
+#include "random_values.hpp"
+
 using namespace holdfast;
-
-namespace {
-
-Vector3 random_vector(std::mt19937& random, double sigma) {
-  std::normal_distribution<double> normal(0.0, sigma);
-  return Vector3(normal(random), normal(random), normal(random));
-}
-
-}  // namespace
+using namespace holdfast::test;
 
 TEST_CASE("camera sighting: Jacobians by state and beacon are central differences") {
   std::mt19937 random(1);

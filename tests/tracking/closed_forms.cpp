@@ -11,17 +11,15 @@
 #include <holdfast/tracking/plane_intersection.hpp>
 #include <holdfast/tracking/trilateration.hpp>
 
+#include "random_values.hpp"
+
 using namespace holdfast;
+using namespace holdfast::test;
 using doctest::Approx;
 
 namespace {
 
 constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
-
-Vector3 random_vector(std::mt19937& random, double sigma = 1.0) {
-  std::normal_distribution<double> normal(0.0, sigma);
-  return Vector3(normal(random), normal(random), normal(random));
-}
 
 std::vector<AnchorRange> ranges_from(const std::vector<Vector3>& anchors, const Vector3& p) {
   std::vector<AnchorRange> ranges;

@@ -6,14 +6,12 @@
 #include <holdfast/tracking/space_resection.hpp>
 #include <holdfast/tracking/three_point_resection.hpp>
 
+#include "random_values.hpp"
+
 using namespace holdfast;
+using namespace holdfast::test;
 
 namespace {
-
-Vector3 random_vector(std::mt19937& random, double sigma) {
-  std::normal_distribution<double> normal(0.0, sigma);
-  return Vector3(normal(random), normal(random), normal(random));
-}
 
 double distance(const Rigid& a, const Rigid& b) {
   return std::max((a.p() - b.p()).norm(), so3::angle_between(a.q(), b.q()));

@@ -7,18 +7,15 @@
 #include <holdfast/simulation/faults.hpp>
 #include <holdfast/tracking/residual_monitor.hpp>
 
+#include "random_values.hpp"
+
 using namespace holdfast;
+using namespace holdfast::test;
 using doctest::Approx;
 
 namespace {
 
 using Random = std::mt19937;
-
-Vector2 normal_pair(Random& random) {
-  std::normal_distribution<double> normal;
-  const double x = normal(random);
-  return Vector2(x, normal(random));
-}
 
 /// Nothing is tolerated: what chi-square alone says.
 ResidualMonitorSettings strict() {
@@ -37,7 +34,7 @@ TEST_CASE("residual monitor: good devices are left in peace, and probabilities m
   std::vector<int> suspects;
   int alarms = 0;
   for (int round = 1; round <= 600; ++round) {
-    for (int device = 0; device < devices; ++device) monitor.add(device, normal_pair(random));
+    for (int device = 0; device < devices; ++device) monitor.add(device, random_vector<2>(random));
     if (round % 20 != 0) continue;
     monitor.suspects(suspects);
     alarms += static_cast<int>(suspects.size());
@@ -62,7 +59,7 @@ TEST_CASE("residual monitor: a bias that the others hide is found; a flickering 
   Random random(2);
   for (int round = 0; round < 200; ++round) {
     for (int device = 0; device < 20; ++device) {
-      const Vector2 residual = normal_pair(random) + Vector2(device < 10 ? 1.7 : -1.7, 0.0);
+      const Vector2 residual = random_vector<2>(random) + Vector2(device < 10 ? 1.7 : -1.7, 0.0);
       each.add(device, residual);
       together.add(0, residual);
     }
@@ -73,8 +70,8 @@ TEST_CASE("residual monitor: a bias that the others hide is found; a flickering 
 
   ResidualMonitor<2> monitor(3);
   for (int round = 0; round < 100; ++round) {
-    monitor.add(0, 2.0 * normal_pair(random));
-    monitor.add(1, normal_pair(random));
+    monitor.add(0, 2.0 * random_vector<2>(random));
+    monitor.add(1, random_vector<2>(random));
     if (round == 50 || round == 7) monitor.add(1, Vector2(1e6, -1e6));
     monitor.add(1, Vector2(std::nan(""), 0.0));
   }

@@ -6,17 +6,12 @@
 #include <holdfast/geometry/numeric_jacobian.hpp>
 #include <holdfast/tracking/advance.hpp>
 
+#include "random_values.hpp"
+
 using namespace holdfast;
+using namespace holdfast::test;
 
 namespace {
-
-template <int Size>
-VectorOf<double, Size> random_vector(std::mt19937& random, double sigma) {
-  std::normal_distribution<double> normal(0.0, sigma);
-  VectorOf<double, Size> v;
-  for (int i = 0; i < Size; ++i) v[i] = normal(random);
-  return v;
-}
 
 template <int Order>
 TargetState<Order> random_state(std::mt19937& random, double speed) {

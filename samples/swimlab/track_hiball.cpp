@@ -184,7 +184,7 @@ int track(const TrackOptions& o) {
 }
 
 struct TrackWords {
-  std::string scenario = "typical", trajectory, up = "y", seconds = "60", seed = "1", start_mm = "0.1", json, out;
+  std::string scenario = "typical", trajectory, up = "y", seconds = "60", seed = "1", start_mm = "0.01", json, out;
   Words methods;
   bool lenient = false;
 };
@@ -222,6 +222,7 @@ TrackOptions checked(const TrackWords& words) {
       words.methods.empty() ? usual_methods(o.request.scenario) : methods_of(words.methods, o.request.scenario);
   o.seconds = number_of("--seconds", words.seconds, 2.0, 3600.0, "seconds, 2 to 3600");
   o.request.start.pose = 1e-3 * number_of("--start-mm", words.start_mm, 0.001, 1000.0, "millimetres, 0.001 to 1000");
+  o.request.start.velocity = 100.0 * o.request.start.pose;
   const char* const end = words.seed.data() + words.seed.size();
   const auto read = std::from_chars(words.seed.data(), end, o.request.seed);
   if (read.ec != std::errc() || read.ptr != end)
@@ -261,7 +262,8 @@ void add_track_hiball_command(CLI::App& track_app, int& exit_code) {
   app.add_option("--seconds", words->seconds, "At most so much of the motion; default 60");
   app.add_option("--seed", words->seed, "Of beacons, noise and generated motion; default 1")->type_name("N");
   app.add_option("--start-mm", words->start_mm,
-                 "How well trackers take their start, the true pose, as known (mm and mrad); default 0.1");
+                 "How well trackers take their start, the truth, as known (mm and mrad, and 100 times that a second); "
+                 "default 0.01");
   app.add_option("--json", words->json, "Write the results also to this file")->type_name("FILE");
   app.add_option("--out", words->out, "Folder for track.json")->type_name("DIR");
   app.add_flag("--lenient", words->lenient, "Drop and count bad rows of a recording instead of stopping");

@@ -105,15 +105,13 @@ class Scenario {
         const HostTime begin = truth_.begin(), tenth = begin + truth_.duration() / 10,
                        last = truth_.end() - truth_.duration() / 10;
         ThreePointError early, late;
-        StartKnowledge at_rest = request_.start;
-        at_rest.velocity = 1e-3;  // set down, and known to be
         TrackRow row = run_method(
             method, parameters, rig(), truth_, c.stream,
             [&](const TrackMoment& m) {
               if (m.fresh && m.sighting.t < tenth) early.add(m.tracker.X_WB(), m.X_WB);
               if (m.fresh && m.sighting.t >= last) late.add(m.tracker.X_WB(), m.X_WB);
             },
-            at_rest);
+            request_.start);
         return {c.name, row, {{"first_tenth_mm", 1e3 * early.rms()}, {"last_tenth_mm", 1e3 * late.rms()}}};
       }
       case TrackScenario::spectra:
@@ -285,11 +283,13 @@ std::vector<TrackMethod> usual_methods(TrackScenario scenario) {
       return {track_methods.begin(), track_methods.end()};
     case TrackScenario::cold_start:
     case TrackScenario::blocked:
+      return {TrackMethod::scaat_autocal};
     case TrackScenario::ordering:
     case TrackScenario::faults:
-      return {TrackMethod::scaat_autocal};
+      return {TrackMethod::scaat_autocal, TrackMethod::joint};
     case TrackScenario::still:
-      return {TrackMethod::scaat_autocal, TrackMethod::scaat_autocal_2, TrackMethod::collinearity10};
+      return {TrackMethod::scaat_autocal, TrackMethod::scaat_autocal_2, TrackMethod::joint, TrackMethod::joint_models,
+              TrackMethod::collinearity10};
     case TrackScenario::low_rate:
       return {TrackMethod::scaat_autocal, TrackMethod::scaat_autocal_2};
   }

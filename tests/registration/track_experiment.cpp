@@ -156,9 +156,10 @@ TEST_CASE("on a walk of 12 s the methods rank as in 002") {
   CHECK(rms(mcaat3) < 0.5 * rms(mcaat10));
   CHECK(rms(mcaat10) < rms(collinearity10));
   CHECK(rms(scaat_autocal_2) < 0.95 * rms(scaat_autocal));
-  // The peak is of the first second: the walk begins at speed, and trackers take it for a rest.
-  CHECK(rows[scaat_autocal].three_point.peak() < 0.006);
-  CHECK(rows[scaat_autocal_2].three_point.peak() < 0.003);
+  CHECK(rms(joint) < 0.9 * rms(scaat_autocal));
+  CHECK(rms(joint_models) < rms(scaat));
+  CHECK(rows[scaat_autocal].three_point.peak() < 0.004);
+  CHECK(rows[joint].three_point.peak() < 0.004);
   CHECK(noise[scaat_autocal] < 0.1 * noise[collinearity10]);
 
   const BeaconErrors& beacons = *rows[scaat_autocal].beacons;
@@ -167,6 +168,8 @@ TEST_CASE("on a walk of 12 s the methods rank as in 002") {
   CHECK(beacons.seen_often.after < 0.7 * beacons.seen_often.before);
   CHECK(rows[scaat_autocal].nees > 0.2);
   CHECK(rows[scaat_autocal].nees < 2.0);
+  CHECK(rows[joint].nees > 0.2);  // half a minute of one seed scatters; docs/tracking.md has the means of longer runs
+  CHECK(rows[joint].nees < 2.0);
   CHECK(rows[mcaat3].beacons);
   CHECK_FALSE(rows[scaat].beacons);
 
@@ -175,6 +178,25 @@ TEST_CASE("on a walk of 12 s the methods rank as in 002") {
   CHECK(rows[scaat].updates + rows[scaat].gated == n);
   CHECK(rows[mcaat10].updates == n / 10);
   CHECK(rows[mcaat10].accepted == n / 10 * 10);
+}
+
+TEST_CASE("at rest a joint filter stays where it is with either tuning, and two models need not be told") {
+  const SplineTrajectory rest = still_hiball(std::chrono::seconds(10));
+  const HiBallSimulator simulator(hiball_rig(), rest);
+  const std::vector<BeaconSighting> stream = sighting_stream(simulator, {.interval = std::chrono::microseconds(500)});
+  const auto run = [&](TrackMethod method, TrackTuning tuning) {
+    return run_method(method, track_parameters(method, tuning), simulator.rig(), rest, stream);
+  };
+  // 002's figures are for a HiBall whose beacons are known; here they are learnt meanwhile.
+  const TrackRow moving = run(TrackMethod::joint, TrackTuning::moving),
+                 still = run(TrackMethod::joint, TrackTuning::still),
+                 models = run(TrackMethod::joint_models, TrackTuning::moving);
+  CHECK(moving.three_point.rms() < 0.2e-3);
+  CHECK(moving.angle.rms() < 0.03 / 57.3);
+  for (const TrackRow* row : {&still, &models}) {
+    CHECK(row->three_point.rms() < 0.05e-3);
+    CHECK(row->angle.rms() < 0.005 / 57.3);
+  }
 }
 
 TEST_CASE("SCAAT finds the pose from nothing, and again after each of four blocks of two seconds") {
@@ -204,7 +226,7 @@ TEST_CASE("SCAAT finds the pose from nothing, and again after each of four block
     MESSAGE("found after ", 1e3 * to_seconds(*recovery.time()), " ms");
     in_time += *recovery.time() <= std::chrono::milliseconds(50);
   }
-  CHECK(in_time >= 4);
+  CHECK(in_time == static_cast<int>(recoveries.size()));
 }
 
 TEST_CASE("one wrong identification in five hardly harms SCAAT") {

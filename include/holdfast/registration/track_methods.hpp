@@ -3,6 +3,9 @@
 ///   scaat            one sighting at a time (002 4.3), beacons taken as designed
 ///   scaat_autocal    the same, and the beacons are learnt (4.4)
 ///   scaat_autocal_2  a second run that begins with the beacons of the first: 002's dagger
+///   joint            SCAAT that keeps what the newest 12 beacons have to do with the pose (tracking/joint_filter.hpp)
+///   joint_2          a second run of it
+///   joint_models     the same with two process models at once, of the moving and of the still tuning; told neither
 ///   mcaat3, mcaat10  3 and 10 sightings in one update (E.3.1)
 ///   collinearity10   10 sightings resected, no filter (E.3.2)
 /// The Kalman filters of several sightings learn beacons too, as in 002's figure 6.4: tuned so they are better, or no worse.
@@ -13,7 +16,7 @@
 /// 1e-6 m^2. Of these each method has what gave it the least three-point RMS over the head recording and
 /// handheld/table_04 together. The residual also stands for what the method ignores: MCAAT's sightings are not of one time,
 /// and a still HiBall would drift with its beacons.
-/// Still tuning: table 6.8's lateral intensity for all directions, and its least one for turns.
+/// Still tuning: `still_process`.
 #pragma once
 
 #include <array>
@@ -27,13 +30,25 @@
 
 namespace holdfast {
 
-enum class TrackMethod { scaat, scaat_autocal, scaat_autocal_2, mcaat3, mcaat10, collinearity10 };
+enum class TrackMethod {
+  scaat,
+  scaat_autocal,
+  scaat_autocal_2,
+  joint,
+  joint_2,
+  joint_models,
+  mcaat3,
+  mcaat10,
+  collinearity10
+};
 
 inline constexpr std::array track_methods{TrackMethod::scaat,  TrackMethod::scaat_autocal, TrackMethod::scaat_autocal_2,
+                                          TrackMethod::joint,  TrackMethod::joint_2,       TrackMethod::joint_models,
                                           TrackMethod::mcaat3, TrackMethod::mcaat10,       TrackMethod::collinearity10};
 
 [[nodiscard]] constexpr std::string_view name_of(TrackMethod method) {
   constexpr std::array<std::string_view, track_methods.size()> names{"scaat",  "scaat_autocal", "scaat_autocal_2",
+                                                                     "joint",  "joint_2",       "joint_models",
                                                                      "mcaat3", "mcaat10",       "collinearity10"};
   return names[static_cast<std::size_t>(method)];
 }
@@ -46,7 +61,10 @@ inline constexpr std::array track_methods{TrackMethod::scaat,  TrackMethod::scaa
 }
 
 [[nodiscard]] constexpr bool is_scaat(TrackMethod method) {
-  return method <= TrackMethod::scaat_autocal_2;
+  return method <= TrackMethod::joint_models;
+}
+[[nodiscard]] constexpr bool is_second_run(TrackMethod method) {
+  return method == TrackMethod::scaat_autocal_2 || method == TrackMethod::joint_2;
 }
 [[nodiscard]] constexpr bool learns_beacons(TrackMethod method) {
   return method != TrackMethod::scaat && method != TrackMethod::collinearity10;
@@ -63,6 +81,11 @@ struct TrackParameters {
   GateSettings gate;
 };
 
+/// 002 table 6.8's lateral intensity for all directions, and its least one for turns.
+[[nodiscard]] inline PvModel still_process() {
+  return PvModel::hiball(4.14e-6, 4.14e-6, Vector3::Constant(5.95e-4));
+}
+
 [[nodiscard]] inline TrackParameters track_parameters(TrackMethod method, TrackTuning tuning = TrackTuning::moving) {
   const auto scaled = [](double scale) {
     return PvModel::hiball(0.14 * scale, 0.17 * scale, Vector3::Constant(1.7 * scale));
@@ -78,8 +101,17 @@ struct TrackParameters {
       break;
     case TrackMethod::scaat_autocal:
     case TrackMethod::scaat_autocal_2:
-      p.process = scaled(1.0);
-      residual_m2 = 3e-8;
+      p.process = scaled(0.8);
+      residual_m2 = 2e-8;
+      break;
+    case TrackMethod::joint:
+    case TrackMethod::joint_2:
+      p.process = scaled(0.5);
+      residual_m2 = 3e-9;
+      break;
+    case TrackMethod::joint_models:
+      p.process = scaled(0.7);
+      residual_m2 = 1e-8;
       break;
     case TrackMethod::mcaat3:
       p.process = scaled(1.0);
@@ -96,7 +128,7 @@ struct TrackParameters {
       break;
   }
   p.beacons.residual_variance.setConstant(residual_m2);
-  if (tuning == TrackTuning::still) p.process = PvModel::hiball(4.14e-6, 4.14e-6, Vector3::Constant(5.95e-4));
+  if (tuning == TrackTuning::still && method != TrackMethod::joint_models) p.process = still_process();
   return p;
 }
 

@@ -1,8 +1,8 @@
-/// The trackers that a HiBall's sightings can be given to, all with one face: SCAAT, MCAAT, Collinearity.
+/// The trackers that a HiBall's sightings can be given to, all with one face: SCAAT's filters, MCAAT, Collinearity.
 ///
 /// A tracker takes sightings in the order of time, each with the variance that it claims, and knows the cameras and a
 /// table of beacons, which it may learn (002 section 4.4) and which outlives it: a second run goes on with it, 002's dagger.
-/// SCAAT also finds itself anew: while it has no pose, or when its gate says that it is lost, or after
+/// SCAAT's also find themselves anew: while it has no pose, or when its gate says that it is lost, or after
 /// `ReacquisitionSettings::longest_gap` without sightings, it collects the newest sightings, searches the pose that most
 /// of them agree with (acquisition.hpp), and starts from there.
 /// Bad input: preconditions are that cameras and beacons exist (assert). Sightings back in time are ignored.
@@ -17,6 +17,7 @@
 #include <holdfast/simulation/hiball_sightings.hpp>
 #include <holdfast/tracking/acquisition.hpp>
 #include <holdfast/tracking/collinearity.hpp>
+#include <holdfast/tracking/joint_filter.hpp>
 #include <holdfast/tracking/mcaat_filter.hpp>
 #include <holdfast/tracking/scaat_filter.hpp>
 
@@ -50,6 +51,8 @@ class HiBallTracker {
   [[nodiscard]] virtual std::optional<double> nis() const { return std::nullopt; }
   /// Whether the last sighting was turned away by a gate or for a bad beacon's sake.
   [[nodiscard]] virtual bool turned_away() const { return false; }
+  /// Writes to the table of beacons what has been learnt and is not there yet.
+  virtual void settle() {}
 };
 
 struct ReacquisitionSettings {
@@ -60,15 +63,19 @@ struct ReacquisitionSettings {
   AcquisitionSettings search{.tolerance_rad = 0.03};      ///< covers a turn of 150 deg/s in 12 ms
 };
 
-class ScaatTracker : public HiBallTracker {
+/// Of one sighting at a time, by a filter that has ScaatFilter's face.
+template <typename Filter>
+class SearchingTracker : public HiBallTracker {
  public:
-  /// Starts from a state. `rig` and `beacons` are not owned.
-  ScaatTracker(const HiBallRig& rig, DeviceTable<3>& beacons, const TargetState<2>& start, const PvModel& model,
-               const ScaatSettings& settings = {}, const ReacquisitionSettings& again = {})
+  /// Starts from a state. `rig` and `beacons` are not owned. `model`: what the filter takes.
+  template <typename Model>
+  SearchingTracker(const HiBallRig& rig, DeviceTable<3>& beacons, const TargetState<2>& start, const Model& model,
+                   const ScaatSettings& settings = {}, const ReacquisitionSettings& again = {})
       : rig_(&rig), beacons_(&beacons), filter_(start, model, settings), again_(again), tracking_(true) {}
   /// Knows nothing, and searches.
-  ScaatTracker(const HiBallRig& rig, DeviceTable<3>& beacons, const PvModel& model, const ScaatSettings& settings = {},
-               const ReacquisitionSettings& again = {})
+  template <typename Model>
+  SearchingTracker(const HiBallRig& rig, DeviceTable<3>& beacons, const Model& model,
+                   const ScaatSettings& settings = {}, const ReacquisitionSettings& again = {})
       : rig_(&rig), beacons_(&beacons), filter_({}, model, settings), again_(again), tracking_(false) {}
 
   bool add(const BeaconSighting& sighting) override {
@@ -87,10 +94,13 @@ class ScaatTracker : public HiBallTracker {
   [[nodiscard]] const TargetState<2>* state() const override { return &filter_.state(); }
   [[nodiscard]] std::optional<double> nis() const override { return nis_; }
   [[nodiscard]] bool turned_away() const override { return turned_away_; }
+  void settle() override {
+    if constexpr (requires { filter_.settle(); }) filter_.settle();
+  }
 
   [[nodiscard]] bool tracking() const { return tracking_; }
   [[nodiscard]] int searches() const { return searches_; }
-  [[nodiscard]] const ScaatFilter<2>& filter() const { return filter_; }
+  [[nodiscard]] const Filter& filter() const { return filter_; }
 
  private:
   /// The newest sightings, oldest first, none older than the gap that ends tracking.
@@ -103,6 +113,7 @@ class ScaatTracker : public HiBallTracker {
   bool search(HostTime t) {
     if (static_cast<int>(recent_.size()) < again_.sightings) return false;
     ++searches_;
+    settle();
     std::vector<const CameraView*> cameras(recent_.size());
     std::vector<UnplacedSighting> unplaced(recent_.size());
     for (std::size_t i = 0; i < recent_.size(); ++i) {
@@ -132,7 +143,7 @@ class ScaatTracker : public HiBallTracker {
 
   const HiBallRig* rig_;
   DeviceTable<3>* beacons_;
-  ScaatFilter<2> filter_;
+  Filter filter_;
   ReacquisitionSettings again_;
   bool tracking_;
   bool turned_away_ = false;
@@ -140,6 +151,11 @@ class ScaatTracker : public HiBallTracker {
   std::optional<double> nis_;
   std::vector<BeaconSighting> recent_;
 };
+
+using ScaatTracker = SearchingTracker<ScaatFilter<2>>;
+using JointTracker = SearchingTracker<JointFilter<2, 3>>;
+/// Two process models at once.
+using JointModelsTracker = SearchingTracker<JointFilter<2, 3, 12, 2>>;
 
 /// N sightings in one update, after every Nth.
 class McaatTracker : public HiBallTracker {

@@ -105,16 +105,16 @@ void mirror_lower(MatrixOf<double, Size>& P) {
 }
 
 /// The columns of dphi in P F^T, row by row. With `small` J's rows are not needed: E f + J v = E (f + v/2) + v/2.
-template <bool small, int Order>
-void turn_columns(const MatrixOf<double, 6 * Order>& from, const SixChains<Order>& chains, const TurnTransition& turn,
-                  MatrixOf<double, 6 * Order>& to) {
+template <bool small, int Order, int Rows>
+void turn_columns(const MatrixOf<double, Rows, 6 * Order>& from, const SixChains<Order>& chains,
+                  const TurnTransition& turn, MatrixOf<double, Rows, 6 * Order>& to) {
   const Matrix3 E = turn.E;
   const Matrix3 J = turn.J;
   double a[Order][3];
   for (std::size_t j = 1; j < Order; ++j) {
     for (int k = 0; k < 3; ++k) a[j][k] = (small ? 0.5 : 1.0) * chains.A[0][j][3 + k];
   }
-  for (int i = 0; i < 6 * Order; ++i) {
+  for (int i = 0; i < Rows; ++i) {
     double f[3], v[3];
     for (int k = 0; k < 3; ++k) {
       f[k] = from(i, 3 + k);
@@ -125,6 +125,33 @@ void turn_columns(const MatrixOf<double, 6 * Order>& from, const SixChains<Order
     for (int k = 0; k < 3; ++k) {
       const double turned = E(k, 0) * f[0] + E(k, 1) * f[1] + E(k, 2) * f[2];
       to(i, 3 + k) = turned + (small ? v[k] : J(k, 0) * v[0] + J(k, 1) * v[1] + J(k, 2) * v[2]);
+    }
+  }
+}
+
+/// The columns of the pose in P F^T, or in that of any rows of covariances with the state's error. `to` is not `from`.
+template <int Order, int Rows>
+void pose_columns(const MatrixOf<double, Rows, 6 * Order>& from, const SixChains<Order>& chains,
+                  const TurnTransition& turn, MatrixOf<double, Rows, 6 * Order>& to) {
+  for (int k = 0; k < 3; ++k) {
+    if constexpr (Order == 1) to.col(k) = from.col(k);
+    if constexpr (Order >= 2) to.col(k) = from.col(k) + chains.A[0][1][k] * from.col(6 + k);
+    if constexpr (Order == 3) to.col(k) += chains.A[0][2][k] * from.col(12 + k);
+  }
+  turn.small ? turn_columns<true, Order, Rows>(from, chains, turn, to)
+             : turn_columns<false, Order, Rows>(from, chains, turn, to);
+}
+
+/// X F^T, where X's rows are covariances of anything with the state's error. `to` is not `from`.
+template <int Order, int Rows>
+void carry_rows(const MatrixOf<double, Rows, 6 * Order>& from, const SixChains<Order>& chains,
+                const TurnTransition& turn, MatrixOf<double, Rows, 6 * Order>& to) {
+  pose_columns<Order, Rows>(from, chains, turn, to);
+  for (std::size_t i = 1; i < Order; ++i) {
+    const auto at = [](std::size_t block) { return 6 * static_cast<int>(block); };
+    to.template middleCols<6>(at(i)) = from.template middleCols<6>(at(i)) * chains.A[i][i].asDiagonal();
+    for (std::size_t j = i + 1; j < Order; ++j) {
+      to.template middleCols<6>(at(i)) += from.template middleCols<6>(at(j)) * chains.A[i][j].asDiagonal();
     }
   }
 }
@@ -154,12 +181,7 @@ void carry_derivatives(const MatrixOf<double, 6 * Order>& from, const SixChains<
 template <int Order>
 void carry_lower(const MatrixOf<double, 6 * Order>& from, const SixChains<Order>& chains, const TurnTransition& turn,
                  MatrixOf<double, 6 * Order>& to) {
-  for (int k = 0; k < 3; ++k) {
-    if constexpr (Order == 1) to.col(k) = from.col(k);
-    if constexpr (Order >= 2) to.col(k) = from.col(k) + chains.A[0][1][k] * from.col(6 + k);
-    if constexpr (Order == 3) to.col(k) += chains.A[0][2][k] * from.col(12 + k);
-  }
-  turn.small ? turn_columns<true, Order>(from, chains, turn, to) : turn_columns<false, Order>(from, chains, turn, to);
+  pose_columns<Order, 6 * Order>(from, chains, turn, to);
 
   unrolled<3>([&]<int k>(std::integral_constant<int, k>) {
     Vector3 f = to.template block<3, 1>(3, 3 + k);
@@ -223,17 +245,20 @@ template <int Order>
 namespace detail {
 
 /// `advance` from one state to another (not the same), but for the upper triangle of P beyond the pose's block:
-/// for those who correct it next (innovation.hpp), which fills it in.
-template <int Order>
-bool advance_lower(const TargetState<Order>& from, const ProcessModel<Order>& model, HostTime t,
-                   TargetState<Order>& to) {
+/// for those who correct it next (innovation.hpp), which fills it in. `also(chains, turn)` carries whatever else is
+/// correlated with the state's error.
+template <int Order, typename Also>
+bool advance_lower(const TargetState<Order>& from, const ProcessModel<Order>& model, HostTime t, TargetState<Order>& to,
+                   const Also& also) {
   HOLDFAST_ASSERT(t >= from.t, "a state is carried forward only");
   const SixChains<Order> chains = six_chains(model, to_seconds(t - from.t));
   const std::array<Vector6, Order> movement = nominal_movement(from, chains);
   const Vector3 turn = movement[0].template tail<3>();
   if (!(turn.squaredNorm() < std::numeric_limits<double>::max())) return false;
   const Quaternion q_turn = so3::exp<double>(turn);
-  carry_lower<Order>(from.P, chains, TurnTransition(turn, q_turn), to.P);
+  const TurnTransition turn_transition(turn, q_turn);
+  carry_lower<Order>(from.P, chains, turn_transition, to.P);
+  also(chains, turn_transition);
   to.X_WB = Rigid(from.X_WB.q() * q_turn, from.X_WB.p() + movement[0].template head<3>());
   if constexpr (Order >= 2) {
     to.velocity.v_WB = movement[1].template head<3>();
@@ -245,6 +270,12 @@ bool advance_lower(const TargetState<Order>& from, const ProcessModel<Order>& mo
   }
   to.t = t;
   return true;
+}
+
+template <int Order>
+bool advance_lower(const TargetState<Order>& from, const ProcessModel<Order>& model, HostTime t,
+                   TargetState<Order>& to) {
+  return advance_lower(from, model, t, to, [](const auto&, const auto&) {});
 }
 
 }  // namespace detail

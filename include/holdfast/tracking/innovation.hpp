@@ -146,6 +146,17 @@ struct Innovation {
 
 namespace detail {
 
+/// A device whose error has nothing to do with the others': its C, and its share of S.
+template <int DeviceSize, int Size>
+void add_device(const DeviceEstimate<DeviceSize>& device, const MatrixOf<double, Size, DeviceSize>& H,
+                MatrixOf<double, DeviceSize, Size>& C, MatrixOf<double, Size>& S) {
+  if constexpr (DeviceSize > 0) {
+    C = device.P.lazyProduct(H.transpose());
+    const MatrixOf<double, DeviceSize, Size> C_with_rest = C + device.residual_variance.asDiagonal() * H.transpose();
+    add_to_innovation(S, H, C_with_rest, device.P.diagonal());
+  }
+}
+
 /// extended_innovation in place; false when there is none.
 template <int Order, Measurement M>
 [[nodiscard]] bool fill_innovation(const TargetState<Order>& state, const M& measurement,
@@ -161,16 +172,8 @@ template <int Order, Measurement M>
   });
   add_to_innovation(innovation.S, linear.H, innovation.C.template topRows<M::state_size>(),
                     state.P.diagonal().template head<M::state_size>());
-  const auto add_device = [&](const auto& device, const auto& H, auto& C) {
-    constexpr int size = std::decay_t<decltype(device)>::size;
-    if constexpr (size > 0) {
-      C = device.P.lazyProduct(H.transpose());
-      const MatrixOf<double, size, M::size> C_with_rest = C + device.residual_variance.asDiagonal() * H.transpose();
-      add_to_innovation(innovation.S, H, C_with_rest, device.P.diagonal());
-    }
-  };
-  add_device(source, linear.H_source, innovation.C_source);
-  add_device(sensor, linear.H_sensor, innovation.C_sensor);
+  add_device(source, linear.H_source, innovation.C_source, innovation.S);
+  add_device(sensor, linear.H_sensor, innovation.C_sensor, innovation.S);
   return innovation.factorise();
 }
 
@@ -186,6 +189,22 @@ template <int Order, Measurement M>
   return answer;
 }
 
+namespace detail {
+
+/// Corrects a device unless it is locked. Devices of size 0 are left alone.
+template <int DeviceSize, typename Innovation>
+void correct_device(DeviceEstimate<DeviceSize>& device, const auto& C, const Innovation& innovation) {
+  if constexpr (DeviceSize > 0) {
+    if (device.locked) return;
+    constexpr int size = std::decay_t<decltype(C)>::ColsAtCompileTime;
+    const MatrixOf<double, DeviceSize, size> G = substituted<DeviceSize, size>(C, innovation.L);
+    device.x.noalias() += G * innovation.whitened();
+    downdate<DeviceSize, size>(device.P, G);
+  }
+}
+
+}  // namespace detail
+
 /// Corrects the state, and the devices that are not locked. Devices of size 0 are left alone. False, and nothing is
 /// changed, when a correction is so large that numbers would soon overflow: `largest_correction` in the state's units.
 inline constexpr double largest_correction = 1e12;
@@ -199,17 +218,8 @@ bool correct(TargetState<Order>& state, const Innovation<Order, M>& innovation, 
   if (!(d.squaredNorm() < largest_correction * largest_correction)) return false;
   detail::downdate<6 * Order, M::size>(state.P, G);
   state.add(d);
-  const auto correct_device = [&](auto& device, const auto& C) {
-    constexpr int size = std::decay_t<decltype(device)>::size;
-    if constexpr (size > 0) {
-      if (device.locked) return;
-      const MatrixOf<double, size, M::size> G_device = detail::substituted<size, M::size>(C, innovation.L);
-      device.x.noalias() += G_device * whitened;
-      detail::downdate<size, M::size>(device.P, G_device);
-    }
-  };
-  correct_device(source, innovation.C_source);
-  correct_device(sensor, innovation.C_sensor);
+  detail::correct_device(source, innovation.C_source, innovation);
+  detail::correct_device(sensor, innovation.C_sensor, innovation);
   return true;
 }
 

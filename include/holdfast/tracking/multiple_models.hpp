@@ -42,6 +42,51 @@ struct ModelSet {
   }
 };
 
+/// Which of the models is at work, as a Markov chain: its probabilities, and how they change.
+template <int Count>
+class ModelChain {
+ public:
+  using Weights = std::array<double, Count>;
+
+  /// All are equally likely at first.
+  ModelChain() { probabilities_.fill(1.0 / Count); }
+
+  [[nodiscard]] const Weights& probabilities() const { return probabilities_; }
+
+  /// p_ij mu_i / c_j of all i, for model j after dt seconds, and c_j.
+  template <int Order>
+  [[nodiscard]] Weights mixing(const ModelSet<Order, Count>& set, std::size_t j, double dt, double& arriving) const {
+    Weights weights;
+    arriving = 0.0;
+    for (std::size_t i = 0; i < Count; ++i) {
+      const double leave = Count == 1 ? 0.0 : -std::expm1(-dt / set.mean_stay_s[i]);
+      weights[i] = probabilities_[i] * (i == j ? 1.0 - leave : leave / std::max(1, Count - 1));
+      arriving += weights[i];
+    }
+    if (arriving > 0.0) {
+      for (double& weight : weights) weight /= arriving;
+    } else {
+      weights.fill(0.0);
+      weights[j] = 1.0;
+    }
+    return weights;
+  }
+
+  /// mu_j = c_j N_j, scaled. Logarithms first: a density may be too small for a number.
+  void weigh(const Weights& arriving, const Weights& log_likelihoods) {
+    if (Count == 1) return;
+    Weights logs;
+    for (std::size_t j = 0; j < Count; ++j) logs[j] = std::log(arriving[j]) + log_likelihoods[j];
+    const double most = *std::max_element(logs.begin(), logs.end());
+    double sum = 0.0;
+    for (double& weight : logs) sum += weight = std::exp(weight - most);
+    for (std::size_t j = 0; j < Count; ++j) probabilities_[j] = logs[j] / sum;
+  }
+
+ private:
+  Weights probabilities_;
+};
+
 namespace detail {
 
 template <std::size_t Count>
@@ -113,7 +158,7 @@ class MultipleModelFilter : public MeasurementIntake<MultipleModelFilter<Order, 
   void restart(const State& start) {
     HOLDFAST_ASSERT(start.is_finite(), "a filter starts from finite numbers");
     states_[current_].fill(start);
-    probabilities_.fill(1.0 / Count);
+    chain_ = {};
     combined_ = start;
     this->reset_gate();
   }
@@ -122,50 +167,21 @@ class MultipleModelFilter : public MeasurementIntake<MultipleModelFilter<Order, 
   [[nodiscard]] const State& state() const { return combined_; }
   [[nodiscard]] PoseEstimate pose_estimate() const { return holdfast::pose_estimate(combined_); }
   /// What each model takes itself to be worth; they sum to 1.
-  [[nodiscard]] const Weights& probabilities() const { return probabilities_; }
+  [[nodiscard]] const Weights& probabilities() const { return chain_.probabilities(); }
   [[nodiscard]] const State& state_of(std::size_t model) const { return states_[current_][model]; }
   [[nodiscard]] const ModelSet<Order, Count>& models() const { return set_; }
 
  private:
   using States = std::array<State, Count>;
 
-  /// p_ij mu_i for one j and all i.
-  [[nodiscard]] Weights arriving_at(std::size_t j, double dt) const {
-    Weights weights;
-    for (std::size_t i = 0; i < Count; ++i) {
-      const double leave = Count == 1 ? 0.0 : -std::expm1(-dt / set_.mean_stay_s[i]);
-      weights[i] = probabilities_[i] * (i == j ? 1.0 - leave : leave / std::max(1, Count - 1));
-    }
-    return weights;
-  }
-
   /// Each model's mixed state, carried to t, in `next`; and c_j. False when a state cannot be carried.
   [[nodiscard]] bool mix(HostTime t, States& next, Weights& arriving) const {
     const double dt = to_seconds(t - combined_.t);
     for (std::size_t j = 0; j < Count; ++j) {
-      Weights weights = arriving_at(j, dt);
-      arriving[j] = 0.0;
-      for (const double weight : weights) arriving[j] += weight;
-      if (arriving[j] > 0.0) {
-        for (double& weight : weights) weight /= arriving[j];
-      } else {
-        weights.fill(0.0);
-        weights[j] = 1.0;
-      }
+      const Weights weights = chain_.mixing(set_, j, dt, arriving[j]);
       if (!detail::advance_lower(moment_matched(states_[current_], weights), set_.models[j], t, next[j])) return false;
     }
     return true;
-  }
-
-  /// c_j N_j, scaled. Logarithms first: a density may be too small for a number.
-  [[nodiscard]] static Weights weighed(const Weights& arriving, const Weights& log_likelihoods) {
-    Weights logs;
-    for (std::size_t j = 0; j < Count; ++j) logs[j] = std::log(arriving[j]) + log_likelihoods[j];
-    const double most = *std::max_element(logs.begin(), logs.end());
-    double sum = 0.0;
-    for (double& weight : logs) sum += weight = std::exp(weight - most);
-    for (double& weight : logs) weight /= sum;
-    return logs;
   }
 
   template <Measurement M>
@@ -200,18 +216,18 @@ class MultipleModelFilter : public MeasurementIntake<MultipleModelFilter<Order, 
     for (std::size_t j = 0; j < Count; ++j) {
       if (!correct(next[j], innovations[j], sources[j], sensors[j])) return UpdateStatus::not_finite;
     }
-    probabilities_ = weighed(arriving, log_likelihoods);
-    source.store(moment_matched(sources, probabilities_), t);
-    sensor.store(moment_matched(sensors, probabilities_), t);
+    chain_.weigh(arriving, log_likelihoods);
+    source.store(moment_matched(sources, probabilities()), t);
+    sensor.store(moment_matched(sensors, probabilities()), t);
     current_ = 1 - current_;
-    combined_ = moment_matched(next, probabilities_);
+    combined_ = moment_matched(next, probabilities());
     return UpdateStatus::updated;
   }
 
   std::array<States, 2> states_;  ///< those that count, and where the next are tried
   std::size_t current_ = 0;
   State combined_;
-  Weights probabilities_;
+  ModelChain<Count> chain_;
   ModelSet<Order, Count> set_;
   Innovate innovate_;
 };

@@ -71,6 +71,9 @@ class DeviceSlot {
   DeviceSlot(DeviceTable<Size>& table, int index) : table_(&table), index_(index) {}
 
   [[nodiscard]] bool exists() const { return own_ != nullptr || table_->contains(index_); }
+  /// Null for a device of your own.
+  [[nodiscard]] DeviceTable<Size>* table() const { return table_; }
+  [[nodiscard]] int index() const { return index_; }
   [[nodiscard]] DeviceEstimate<Size> load() const { return own_ != nullptr ? *own_ : table_->for_sighting(index_); }
   void store(const DeviceEstimate<Size>& device, HostTime t) const {
     if (own_ != nullptr) {

@@ -7,27 +7,21 @@
 #include <holdfast/prediction/state_prediction.hpp>
 
 #include "allocation_counter.hpp"
+#include "tracking/random_values.hpp"
 
 using namespace holdfast;
+using test::random_vector;
 
 namespace {
 
 using Random = std::mt19937;
 constexpr StatePredictionLimits unlimited{std::chrono::hours(1), std::chrono::hours(1)};
 
-template <int Size>
-VectorOf<double, Size> random_vector(Random& random, double sigma) {
-  std::normal_distribution<double> normal(0.0, sigma);
-  VectorOf<double, Size> v;
-  for (int i = 0; i < Size; ++i) v[i] = normal(random);
-  return v;
-}
-
 template <int Order>
 TargetState<Order> random_state(Random& random, double deviation = 0.01) {
   TargetState<Order> state;
   state.t = time_at(7.0);
-  state.X_WB = Rigid(so3::exp<double>(random_vector<3>(random, 1.0)), random_vector<3>(random, 2.0));
+  state.X_WB = Rigid(so3::exp<double>(random_vector<3>(random)), random_vector<3>(random, 2.0));
   if (Order >= 2) state.velocity = {random_vector<3>(random, 0.5), random_vector<3>(random, 1.5)};
   if (Order >= 3) state.acceleration = {random_vector<3>(random, 3.0), random_vector<3>(random, 6.0)};
   typename TargetState<Order>::Covariance root;
@@ -222,7 +216,7 @@ TEST_CASE("the covariance is that of many heads that move as the model says") {
   for (int head = 0; head < heads; ++head) {
     TargetState<3> truth = state;
     truth.P.setZero();
-    truth.add(root * random_vector<18>(random, 1.0));
+    truth.add(root * random_vector<18>(random));
     for (int i = 1; i <= steps; ++i) {
       // The nominal motion alone, by a prediction of this head's state: advance() would carry its covariance as well.
       const HostTime t = state.t + T * i / steps;
@@ -235,7 +229,7 @@ TEST_CASE("the covariance is that of many heads that move as the model says") {
       truth.acceleration.alpha_WB_B *= fade;
       TargetState<3>::Error d;
       for (int axis = 0; axis < 6; ++axis) {
-        const Vector3 kick = kicks[static_cast<std::size_t>(axis)] * random_vector<3>(random, 1.0);
+        const Vector3 kick = kicks[static_cast<std::size_t>(axis)] * random_vector<3>(random);
         for (int k = 0; k < 3; ++k) d[axis + 6 * k] = kick[k];
       }
       truth.add(d);

@@ -10,24 +10,18 @@
 #include <holdfast/tracking/scaat_filter.hpp>
 
 #include "allocation_counter.hpp"
+#include "tracking/random_values.hpp"
 
 using namespace holdfast;
+using test::random_vector;
 
 namespace {
 
 using Random = std::mt19937;
 
-double normal(Random& random) {
-  return std::normal_distribution<double>()(random);
-}
-
-Vector3 normal_3(Random& random, double sigma) {
-  return sigma * Vector3(normal(random), normal(random), normal(random));
-}
-
 Rigid noisy(const Rigid& X, const PoseNoise& noise, Random& random) {
-  return Rigid(X.q() * so3::exp<double>(normal_3(random, noise.orientation_rad)),
-               X.p() + normal_3(random, noise.position_m));
+  return Rigid(X.q() * so3::exp<double>(random_vector<3>(random, noise.orientation_rad)),
+               X.p() + random_vector<3>(random, noise.position_m));
 }
 
 template <int Order>
@@ -46,9 +40,7 @@ void move(TargetState<Order>& truth, const ProcessModel<Order>& model, Duration 
   for (int axis = 0; axis < 6; ++axis) {
     const ChainStep<Order> step = chain_step<Order>(model.intensity[axis], model.decay[axis], to_seconds(dt));
     const MatrixOf<double, Order> L = step.Q.llt().matrixL();
-    VectorOf<double, Order> n;
-    for (int i = 0; i < Order; ++i) n[i] = normal(random);
-    const VectorOf<double, Order> drawn = L * n;
+    const VectorOf<double, Order> drawn = L * random_vector<Order>(random);
     for (int i = 0; i < Order; ++i) d[axis + 6 * i] = drawn[i];
   }
   truth.add(d);
@@ -139,10 +131,11 @@ TEST_CASE("on motions as the model has them, the errors are those that the covar
   for (int run = 0; run < runs; ++run) {
     TargetState<3> truth;
     truth.t = time_at(0.0);
-    truth.X_WB = Rigid(so3::exp<double>(normal_3(random, 1.0)), normal_3(random, 1.0));
-    truth.velocity = {normal_3(random, settings.start.speed_m_s), normal_3(random, settings.start.angular_speed_rad_s)};
-    truth.acceleration = {normal_3(random, settings.start.acceleration_m_s2),
-                          normal_3(random, settings.start.angular_acceleration_rad_s2)};
+    truth.X_WB = Rigid(so3::exp<double>(random_vector<3>(random, 1.0)), random_vector<3>(random, 1.0));
+    truth.velocity = {random_vector<3>(random, settings.start.speed_m_s),
+                      random_vector<3>(random, settings.start.angular_speed_rad_s)};
+    truth.acceleration = {random_vector<3>(random, settings.start.acceleration_m_s2),
+                          random_vector<3>(random, settings.start.angular_acceleration_rad_s2)};
     PoseFilter<3> filter(model, settings);
     filter.update({truth.t, noisy(truth.X_WB, settings.noise, random)});
     for (int i = 0; i < 60; ++i) {
@@ -234,7 +227,7 @@ TEST_CASE("whatever poses come, the state is finite and its covariance positive"
   for (int i = 0; i < 20000; ++i) {
     t += Duration(static_cast<std::int64_t>(std::pow(10.0, 9.0 * uniform(random)) - 2.0));
     const double scale = std::pow(10.0, 24.0 * uniform(random) - 12.0);
-    filter.update({t, Rigid(so3::exp<double>(normal_3(random, 2.0)), normal_3(random, scale))});
+    filter.update({t, Rigid(so3::exp<double>(random_vector<3>(random, 2.0)), random_vector<3>(random, scale))});
     REQUIRE(filter.state().is_finite());
     REQUIRE(filter.state().P.diagonal().minCoeff() > 0.0);
     REQUIRE(filter.state().P == filter.state().P.transpose());

@@ -1,7 +1,7 @@
 // One SCAAT update with a beacon's calibration (15 states, 2 numbers measured) against a textbook's dense filter of the same
 // size (tests/tracking/dense_ekf.hpp), on the same sightings. Before it measures it checks that both agree.
 //   build/bench/bin/bench_scaat_update
-//   build/bench/bin/bench_scaat_update --updates scaat|engine|dense N     just N updates, for scripts/count-instructions
+//   build/bench/bin/bench_scaat_update --updates scaat|engine|joint|dense N     just N updates, for scripts/count-instructions
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -13,6 +13,7 @@
 #include <tracking/dense_ekf.hpp>
 
 #include <holdfast/tracking/camera_sighting.hpp>
+#include <holdfast/tracking/joint_filter.hpp>
 #include <holdfast/tracking/scaat_filter.hpp>
 
 using namespace holdfast;
@@ -102,6 +103,7 @@ class Scaat {
 };
 
 // What an engine calls: the assembled filter with its gate, counters and table of devices.
+template <typename Filter>
 class Engine {
  public:
   void update() {
@@ -113,13 +115,16 @@ class Engine {
 
  private:
   DeviceTable<3> beacons_ = setting().table();
-  ScaatFilter<2> filter_{Setting::start(), Setting::model(), [] {
-                           ScaatSettings open;
-                           open.gate.probability = 1.0;  // as the dense filter has none; it is judged all the same
-                           return open;
-                         }()};
+  Filter filter_{Setting::start(), Setting::model(), [] {
+                   ScaatSettings open;
+                   open.gate.probability = 1.0;  // as the dense filter has none; it is judged all the same
+                   return open;
+                 }()};
   std::int64_t i_ = 0;
 };
+
+using Plain = Engine<ScaatFilter<2>>;
+using Joint = Engine<JointFilter<2, 3>>;
 
 class Dense {
  public:
@@ -151,13 +156,14 @@ void updates(benchmark::State& state) {
   }
 }
 BENCHMARK(updates<Scaat>)->Name("scaat_update");
-BENCHMARK(updates<Engine>)->Name("engine_update");
+BENCHMARK(updates<Plain>)->Name("engine_update");
+BENCHMARK(updates<Joint>)->Name("joint_update");
 BENCHMARK(updates<Dense>)->Name("dense_update");
 
 // Whether all say the same after 100,000 updates, to 1e-7 m, and all were taken.
 bool agree() {
   Scaat scaat;
-  Engine engine;
+  Plain engine;
   Dense dense;
   double worst = 0.0;
   for (int i = 0; i < 100000; ++i) {
@@ -186,7 +192,8 @@ int main(int argc, char** argv) {
     const int count = std::atoi(argv[3]);
     const std::string_view which = argv[2];
     if (which == "dense") return only_update<Dense>(count);
-    return which == "engine" ? only_update<Engine>(count) : only_update<Scaat>(count);
+    if (which == "joint") return only_update<Joint>(count);
+    return which == "engine" ? only_update<Plain>(count) : only_update<Scaat>(count);
   }
   if (!agree()) return 1;
   benchmark::Initialize(&argc, argv);

@@ -15,7 +15,10 @@
 #include <holdfast/tracking/range.hpp>
 #include <holdfast/tracking/unscented_innovation.hpp>
 
+#include "random_values.hpp"
+
 using namespace holdfast;
+using namespace holdfast::test;
 using doctest::Approx;
 
 namespace {
@@ -23,17 +26,9 @@ namespace {
 using Random = std::mt19937;
 
 template <int Size>
-VectorOf<double, Size> normal_vector(Random& random) {
-  std::normal_distribution<double> normal;
-  VectorOf<double, Size> v;
-  for (int i = 0; i < Size; ++i) v[i] = normal(random);
-  return v;
-}
-
-template <int Size>
 MatrixOf<double, Size> random_covariance(Random& random, double sigma) {
   MatrixOf<double, Size> root;
-  for (int j = 0; j < Size; ++j) root.col(j) = sigma / std::sqrt(double(Size)) * normal_vector<Size>(random);
+  for (int j = 0; j < Size; ++j) root.col(j) = sigma / std::sqrt(double(Size)) * random_vector<Size>(random);
   return root * root.transpose();
 }
 
@@ -53,16 +48,16 @@ TEST_CASE("unscented innovation: that of a linear measurement is the extended on
   for (int trial = 0; trial < 20; ++trial) {
     TargetState<2> state;
     state.P = random_covariance<12>(random, 0.3);
-    state.velocity = {normal_vector<3>(random), normal_vector<3>(random)};
+    state.velocity = {random_vector<3>(random), random_vector<3>(random)};
     DeviceEstimate<3> bias;
-    bias.x = normal_vector<3>(random);
+    bias.x = random_vector<3>(random);
     bias.P = random_covariance<3>(random, 0.1);
     bias.residual_variance = Vector3(0.0, 1e-3, 2e-3);
     bias.locked = trial % 2 == 0;  // which changes what `correct` does, not the innovation
     // Sums of numbers of order one: rounding.
-    const AngularRate rate{normal_vector<3>(random), so3::exp<double>(normal_vector<3>(random)), 0.01};
+    const AngularRate rate{random_vector<3>(random), so3::exp<double>(random_vector<3>(random)), 0.01};
     check_equal(*unscented_innovation(state, rate, {}, bias), *extended_innovation(state, rate, {}, bias), 1e-13);
-    const PositionMeasurement position{normal_vector<3>(random), Vector3::Zero(), 0.1 * Matrix3::Identity()};
+    const PositionMeasurement position{random_vector<3>(random), Vector3::Zero(), 0.1 * Matrix3::Identity()};
     check_equal(*unscented_innovation(state, position, {}), *extended_innovation(state, position, {}), 1e-13);
   }
 }
@@ -109,7 +104,7 @@ TEST_CASE("unscented innovation: nearer to Monte Carlo for a range whose directi
   Vector6 cross = Vector6::Zero();
   const Vector6 deviations = state.P.diagonal().cwiseSqrt();
   for (int i = 0; i < draws; ++i) {
-    const Vector6 d = deviations.cwiseProduct(normal_vector<6>(random));
+    const Vector6 d = deviations.cwiseProduct(random_vector<6>(random));
     TargetState<1> drawn = state;
     drawn.add(d);
     const double expected = (drawn.X_WB * range.antenna_B).norm();
@@ -190,7 +185,7 @@ struct PoseSensor {
   void measure(const TargetState<Order>& truth, Random& random, const Innovate& innovate, const Take& take) const {
     Vector6 deviation;
     deviation << Vector3::Constant(position_m), Vector3::Constant(orientation_rad);
-    const Vector6 noise = deviation.cwiseProduct(normal_vector<6>(random));
+    const Vector6 noise = deviation.cwiseProduct(random_vector<6>(random));
     PoseMeasurement pose;
     pose.X_WB = Rigid(truth.X_WB.q() * so3::exp<double>(Vector3(noise.tail<3>())), truth.X_WB.p() + noise.head<3>());
     pose.covariance.diagonal() = deviation.cwiseAbs2();
@@ -221,7 +216,7 @@ struct SightingSensor {
     const Vector3 p_B = X_BC[i] * p_C;
     DeviceEstimate<3> beacon;
     beacon.x = truth.X_WB * p_B;
-    const CameraSighting sighting{*cameras[i].project(p_B) + deviation_m * normal_vector<2>(random), &cameras[i],
+    const CameraSighting sighting{*cameras[i].project(p_B) + deviation_m * random_vector<2>(random), &cameras[i],
                                   deviation_m * deviation_m};
     take(innovate(sighting, beacon), beacon);
   }
@@ -250,7 +245,7 @@ void move_truth(TargetState<Order>& truth, const ProcessModel<Order>& model, Hos
     const ChainStep<Order> step = chain_step<Order>(model.intensity[axis], model.decay[axis], dt);
     MatrixOf<double, Order> root;
     REQUIRE(detail::cholesky<Order>(step.Q, root));
-    const VectorOf<double, Order> kick = root * normal_vector<Order>(random);
+    const VectorOf<double, Order> kick = root * random_vector<Order>(random);
     for (int i = 0; i < Order; ++i) d[axis + 6 * i] = kick[i];
   }
   truth.P.setIdentity();
@@ -274,12 +269,12 @@ Consistency simulate(const Matched<Order>& matched, const Sensor& sensor, bool u
   if constexpr (Order >= 3) deviation.template segment<6>(12).setConstant(0.5);
   for (int run = 0; run < matched.runs; ++run) {
     State estimate;
-    const Vector3 turn = normal_vector<3>(random);
-    estimate.X_WB = Rigid(so3::exp<double>(turn), normal_vector<3>(random));
-    if constexpr (Order >= 2) estimate.velocity = {0.3 * normal_vector<3>(random), 0.5 * normal_vector<3>(random)};
+    const Vector3 turn = random_vector<3>(random);
+    estimate.X_WB = Rigid(so3::exp<double>(turn), random_vector<3>(random));
+    if constexpr (Order >= 2) estimate.velocity = {0.3 * random_vector<3>(random), 0.5 * random_vector<3>(random)};
     estimate.P = deviation.cwiseAbs2().asDiagonal();
     State truth = estimate;
-    truth.add(deviation.cwiseProduct(normal_vector<State::size>(random)));
+    truth.add(deviation.cwiseProduct(random_vector<State::size>(random)));
     for (int step = 1; step <= matched.steps; ++step) {
       const HostTime t = time_at(0.01 * step);
       move_truth(truth, truth_model, t, random);

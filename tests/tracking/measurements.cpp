@@ -23,20 +23,15 @@
 #include <holdfast/tracking/pose_measurement.hpp>
 #include <holdfast/tracking/range.hpp>
 
+#include "random_values.hpp"
+
 using namespace holdfast;
+using namespace holdfast::test;
 using doctest::Approx;
 
 namespace {
 
 constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
-Vector3 random_vector(std::mt19937& random, double sigma = 1.0) {
-  std::normal_distribution<double> normal(0.0, sigma);
-  return Vector3(normal(random), normal(random), normal(random));
-}
-
-Rigid random_pose(std::mt19937& random) {
-  return Rigid(so3::exp<double>(random_vector(random)), random_vector(random));
-}
 
 /// The state a measurement depends on, and no more.
 template <typename M>

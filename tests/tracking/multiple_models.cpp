@@ -11,19 +11,15 @@
 #include <holdfast/tracking/multiple_models.hpp>
 #include <holdfast/tracking/pose_measurement.hpp>
 
+#include "random_values.hpp"
+
 using namespace holdfast;
+using namespace holdfast::test;
 using doctest::Approx;
 
 namespace {
 
 using Random = std::mt19937;
-
-Vector6 normal_vector(Random& random) {
-  std::normal_distribution<double> normal;
-  Vector6 v;
-  for (int i = 0; i < 6; ++i) v[i] = normal(random);
-  return v;
-}
 
 PvModel pv(double intensity) {
   PvModel model;
@@ -34,7 +30,7 @@ PvModel pv(double intensity) {
 /// The truth moves as a model says.
 void wander(TargetState<2>& truth, const PvModel& model, HostTime t, Random& random) {
   TargetState<2>::Error d;
-  const Vector6 a = normal_vector(random), b = normal_vector(random);
+  const Vector6 a = random_vector<6>(random), b = random_vector<6>(random);
   for (int axis = 0; axis < 6; ++axis) {
     const Matrix2 Q = chain_step<2>(model.intensity[axis], 0.0, to_seconds(t - truth.t)).Q;
     const double velocity = std::sqrt(Q(1, 1));
@@ -50,7 +46,7 @@ void wander(TargetState<2>& truth, const PvModel& model, HostTime t, Random& ran
 constexpr double pose_sigma = 1e-3;  // m and rad
 
 PoseMeasurement measured(const TargetState<2>& truth, Random& random) {
-  const Vector6 noise = pose_sigma * normal_vector(random);
+  const Vector6 noise = pose_sigma * random_vector<6>(random);
   PoseMeasurement pose;
   pose.X_WB = Rigid(truth.X_WB.q() * so3::exp<double>(Vector3(noise.tail<3>())), truth.X_WB.p() + noise.head<3>());
   pose.covariance.diagonal().setConstant(pose_sigma * pose_sigma);
@@ -67,7 +63,7 @@ struct Beginning {
     known.P = sigma.cwiseAbs2().asDiagonal();
     truth = known;
     TargetState<2>::Error d;
-    d << normal_vector(random), normal_vector(random);
+    d << random_vector<6>(random), random_vector<6>(random);
     truth.add(d.cwiseProduct(sigma));
   }
 };

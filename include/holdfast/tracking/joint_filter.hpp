@@ -8,7 +8,7 @@
 /// `Devices` devices together (joint_state.hpp); the device that was seen longest ago leaves for the next one, and only then
 /// its correlation is dropped. So the pose no longer takes for news what it taught a device itself: errors are two thirds to
 /// a half of ScaatFilter's, a body at rest does not drift, and the covariance means what it says (docs/tracking.md). The
-/// price is three to four times the instructions (scripts/count-instructions).
+/// price is six to seven times the instructions (scripts/count-instructions).
 /// Several process models at once, as in multiple_models.hpp, when `Count` is more than 1: each has its own view of devices
 /// too. (There the shared device filters would let a still model's certainty and a moving one's doubt spoil each other.)
 /// Devices: those of a table whose numbers have this Size, and that are not locked, take a slot. All others count as in

@@ -57,14 +57,15 @@ struct JointInnovation : Innovation<Order, M> {
 
 namespace detail {
 
-/// As downdate (innovation.hpp), for sizes that are too large to unroll.
+/// As downdate (innovation.hpp), for sizes that are too large to unroll. Both triangles are computed, as that is quicker
+/// than mirroring one: with fused multiply-add they may differ by rounding.
 template <int Rows, int Size>
 void downdate_many(MatrixOf<double, Rows>& P, const MatrixOf<double, Rows, Size>& G) {
   P.diagonal() *= 1.0 + rounding_floor;
   for (int j = 0; j < Rows; ++j) {
-    for (int k = 0; k < Size; ++k) P.col(j).tail(Rows - j) -= G(j, k) * G.col(k).tail(Rows - j);
+    const VectorOf<double, Size> g = G.row(j).transpose();
+    P.col(j) -= G.lazyProduct(g);
   }
-  for (int j = 0; j < Rows; ++j) P.row(j).tail(Rows - j) = P.col(j).tail(Rows - j).transpose();
 }
 
 template <int Order, int Size, int Devices>

@@ -11,12 +11,12 @@
 /// The Kalman filters of several sightings learn beacons too, as in 002's figure 6.4: tuned so they are better, or no worse.
 /// Where the numbers come from. 002's tables 6.4 to 6.8 do not carry over: intensities found there for one motion are far
 /// off for another, and with mu[b] per sighting as printed the filter fails. Intensities are those of one shape,
-/// (0.14, 0.17, 1.7, 1.7, 1.7), times 0.1, 0.3, 1, 3, ... 100; `residual_variance`, what a beacon keeps of its error however
-/// often it is seen, is one of 0, 1e-8, 3e-8, 1e-7, 1e-6, 3e-6, 1e-5, 3e-5 m^2; beacons' initial variance is their own,
-/// 1e-6 m^2. Of these each method has what gave it the least three-point RMS over the head recording and
-/// handheld/table_04 together. The residual also stands for what the method ignores: MCAAT's sightings are not of one time,
-/// and a still HiBall would drift with its beacons.
-/// Still tuning: `still_process`.
+/// (0.14, 0.17, 1.7, 1.7, 1.7), times 0.1 to 100; `residual_variance`, what a beacon keeps of its error however often it is
+/// seen, is 0 to 3e-5 m^2; beacons' initial variance is their own, 1e-6 m^2. Of these each method has what gave it the least
+/// three-point RMS over the head recording and handheld/table_04 together, to 4 %. The residual also stands for what a
+/// method ignores: MCAAT's sightings are not of one time, and without it SCAAT at rest drifts with its beacons.
+/// Still tuning: `still_process`. The gate has no probation for beacons: wrong names fall on any of them here, and one that
+/// was named wrongly has done nothing wrong (with it, 20 % wrong names cost as many good sightings).
 #pragma once
 
 #include <array>
@@ -91,6 +91,7 @@ struct TrackParameters {
     return PvModel::hiball(0.14 * scale, 0.17 * scale, Vector3::Constant(1.7 * scale));
   };
   TrackParameters p;
+  p.gate.device_probation = 0;
   p.autocalibrate = learns_beacons(method);
   if (p.autocalibrate) p.beacons.initial_variance.setConstant(1e-6);
   double residual_m2 = 0.0;

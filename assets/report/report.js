@@ -119,11 +119,11 @@ function chartOptions(chart, legend, reset) {
     includeZero: chart.includeZero !== false,
     logscale: Boolean(chart.y.log || chart.logarithmic),
     digitsAfterDecimal: 3,
-    xRangePad: 4,
+    xRangePad: chart.x.log ? 0 : 4,
     yRangePad: 6,
     axes: {
       x: { logscale: Boolean(chart.x.log), axisLabelFormatter: tick, pixelsPerLabel: 64 },
-      y: { axisLabelWidth: 48, axisLabelFormatter: tick },
+      y: { axisLabelWidth: chart.y.log ? 60 : 48, axisLabelFormatter: tick },
     },
     series: Object.fromEntries(chart.series.map((s) => [s.name, {
       color: seriesColor(s.style),
@@ -149,7 +149,7 @@ function drawChart(chart, parent) {
   const legend = el("div.legend", { "aria-live": "off" });
   const plot = el("div.plot", { role: "img", "aria-label": `${chart.title}: ${chart.caption}` });
   const caption = el("figcaption", {}, chart.caption);
-  const box = el("figure.card.chart", { id: "chart-" + chart.id },
+  const box = el("figure.card.chart" + (chart.half ? ".half" : ""), { id: "chart-" + chart.id },
     el("header", {}, el("h3", {}, chart.title), el("span.buttons", {}, reset, log)), legend, plot, caption);
   parent.append(box);
   fillLegend(legend, chart, null);
@@ -167,6 +167,37 @@ function drawChart(chart, parent) {
   const observer = new ResizeObserver(() => graph.resize());
   observer.observe(plot);
   openCharts.push({ graph, chart, legend, reset, observer });
+}
+
+/** What stands at a bar or in a table: whole numbers as such, and two digits or three of the others. */
+const brief = (value) => (Number.isInteger(value) ? tick(value) : Math.abs(value) < 0.1 && Math.abs(value) >= 1e-5 ? tick(+value.toPrecision(2)) : number(value));
+
+/** 1, 2 or 5 times a power of ten: about five of them up to `most`. */
+function linearTicks(most) {
+  const power = 10 ** Math.floor(Math.log10(most / 4));
+  const step = power * [1, 2, 5, 10].find((s) => s * power * 5 >= most);
+  return Array.from({ length: Math.floor(most / step + 1e-9) + 1 }, (_, i) => i * step);
+}
+
+/** Bars that lie: rows of {group, label, values}, in each a bar for each of the chart's series. */
+function drawBars(chart, parent) {
+  const values = chart.rows.flatMap((r) => r.values).filter((v) => v > 0);
+  const most = Math.max(...values, 1e-9);
+  const low = chart.x.log ? 10 ** Math.floor(Math.log10(0.8 * Math.min(...values))) : 0;
+  const ticks = chart.x.log ? Array.from({ length: Math.floor(Math.log10(most / low)) + 1 }, (_, i) => low * 10 ** i) : linearTicks(most);
+  const part = (v) => (chart.x.log ? Math.max(0, Math.log(v / low) / Math.log(most / low)) : v / most);
+  const bar = (v, i) => el("div", {}, el("i", { style: `--part:${v > 0 ? part(v) : 0};background:var(${seriesColors[chart.series[i].style]})` }), el("b", {}, brief(v)));
+  const box = el("div.bars");
+  let group = "";
+  for (const r of chart.rows) {
+    if (r.group !== group) box.append(el("h4", {}, r.group));
+    group = r.group;
+    box.append(el("span", {}, r.label), el("div.track", {}, ...ticks.map((t) => el("u", { style: `--part:${part(t)}` })), ...r.values.map(bar)));
+  }
+  box.append(el("span"), el("div.scale", {}, ...ticks.map((t) => el("span", { style: `--part:${part(t)}` }, tick(t)))),
+    el("span"), el("div.soft", {}, `${chart.x.label} (${unitSign(chart.x.unit)})`));
+  parent.append(el("figure.card.chart" + (chart.half ? ".half" : ""), { id: "chart-" + chart.id }, el("header", {}, el("h3", {}, chart.title)),
+    el("div.legend.brief", {}, ...chart.series.map((s) => legendEntry(s))), box, el("figcaption", {}, typeset(chart.caption))));
 }
 
 function destroyCharts(inside) {
@@ -498,11 +529,11 @@ function tell(told) {
   document.title = `${told.title} - Holdfast`;
   page.append(el("p.eyebrow", {}, `Holdfast \u00b7 ${told.eyebrow}`), el("h1", {}, told.title),
     ...told.paragraphs.map((text, i) => el(i ? "p" : "p.lead", {}, text)));
-  page.append(table(told.table.columns.map((c, i) => ({ ...c, unit: unitSign(c.unit), value: (r) => (c.text ? r[i] : number(r[i])) })), told.table.rows, told.table.label));
-  const grid = el("div.charts");
+  page.append(table(told.table.columns.map((c, i) => ({ ...c, unit: unitSign(c.unit), value: (r) => (c.text ? r[i] : brief(r[i])) })), told.table.rows, told.table.label));
+  const grid = el("div.charts.halves");
   grid.style.marginTop = "24px";
   page.append(grid);
-  for (const chart of told.charts) drawChart(chart, grid);
+  for (const chart of told.charts) (chart.bars ? drawBars : drawChart)(chart, grid);
   for (const p of told.pictures) {
     grid.append(el("figure.card.chart", {}, el("header", {}, el("h3", {}, p.title)),
       el("img", { src: "data:image/svg+xml," + encodeURIComponent(p.svg), alt: `${p.title}: ${p.caption}`, style: "max-width:100%" }), el("figcaption", {}, p.caption)));

@@ -19,7 +19,9 @@
 #include "options.hpp"
 #include "output_folder.hpp"
 #include "progress.hpp"
+#include "report_page.hpp"
 #include "track_command.hpp"
+#include "track_page.hpp"
 #include "track_scenarios.hpp"
 
 namespace swimlab {
@@ -35,6 +37,7 @@ struct TrackOptions {
   Vector3 up_R = Vector3::UnitY();
   double seconds = 60.0;
   bool lenient = false;
+  std::string command;
 };
 
 std::string_view name_of_scenario(TrackScenario scenario) {
@@ -149,7 +152,10 @@ void print_table(const TrackOptions& o, const TrueMotion& truth, const std::vect
 }
 
 OutputKind track_output() {
-  return {.command = "swimlab track hiball", .summary = "track.json", .schema = "\"holdfast/track/1\"", .files = {}};
+  return {.command = "swimlab track hiball",
+          .summary = "track.json",
+          .schema = "\"holdfast/track/1\"",
+          .files = {"report.html"}};
 }
 
 int track(const TrackOptions& o) {
@@ -170,6 +176,8 @@ int track(const TrackOptions& o) {
   const std::string json = io::json_text(track_json(o, truth, rows));
   if (folder) {
     io::write_whole_file(folder->path() / "track.json", json);
+    const TrackPageFacts facts{o.request.scenario, truth.name, to_seconds(truth.motion.duration()), o.command};
+    io::write_whole_file(folder->path() / "report.html", report_page(track_page(facts, rows)));
     interruption.check();
     folder->commit();
   }
@@ -215,6 +223,15 @@ std::vector<TrackMethod> methods_of(const Words& words, TrackScenario scenario) 
   return methods;
 }
 
+/// As it may be typed again, but for where the results go.
+std::string command_of(const TrackWords& words) {
+  std::string command = "swimlab track hiball --scenario " + words.scenario;
+  for (std::size_t i = 0; i < words.methods.size(); ++i) command += (i == 0 ? " --methods " : ",") + words.methods[i];
+  if (!words.trajectory.empty()) command += " --trajectory " + words.trajectory + " --up " + words.up;
+  if (words.lenient) command += " --lenient";
+  return command + " --seconds " + words.seconds + " --seed " + words.seed + " --start-mm " + words.start_mm;
+}
+
 TrackOptions checked(const TrackWords& words) {
   TrackOptions o;
   o.request.scenario = scenario_of(words.scenario);
@@ -237,7 +254,9 @@ TrackOptions checked(const TrackWords& words) {
   o.trajectory = words.trajectory;
   o.json = words.json;
   o.out = words.out;
+  o.request.curves = !o.out.empty();
   o.lenient = words.lenient;
+  o.command = command_of(words);
   return o;
 }
 
@@ -265,7 +284,7 @@ void add_track_hiball_command(CLI::App& track_app, int& exit_code) {
                  "How well trackers take their start, the truth, as known (mm and mrad, and 100 times that a second); "
                  "default 0.01");
   app.add_option("--json", words->json, "Write the results also to this file")->type_name("FILE");
-  app.add_option("--out", words->out, "Folder for track.json")->type_name("DIR");
+  app.add_option("--out", words->out, "Folder for report.html and track.json")->type_name("DIR");
   app.add_flag("--lenient", words->lenient, "Drop and count bad rows of a recording instead of stopping");
   app.footer(
       "Scenarios:" + scenarios +

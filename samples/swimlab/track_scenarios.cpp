@@ -99,50 +99,61 @@ class Scenario {
     }
   }
 
+  /// Whether the output's noise is what the scenario is about: sightings come evenly then.
+  [[nodiscard]] bool about_noise() const {
+    const TrackScenario scenario = request_.scenario;
+    return scenario == TrackScenario::spectra || scenario == TrackScenario::ordering ||
+           scenario == TrackScenario::low_rate || scenario == TrackScenario::still;
+  }
+
   [[nodiscard]] TrackCaseRow measured(const TrackCase& c, TrackMethod method, const TrackParameters& parameters) const {
+    TrackCurves curves(truth_, about_noise());
+    TrackCaseRow result{c.name, {}, {}, {}};
+    const auto run = [&](const TrackObserver& observe) {
+      const TrackObserver with_curves = [&](const TrackMoment& m) {
+        curves.add(m);
+        if (observe) observe(m);
+      };
+      result.row = run_method(method, parameters, rig(), truth_, c.stream, request_.curves ? with_curves : observe,
+                              request_.start);
+      if (request_.curves) result.curves = curves.curves();
+    };
     switch (request_.scenario) {
       case TrackScenario::still: {
         const HostTime begin = truth_.begin(), tenth = begin + truth_.duration() / 10,
                        last = truth_.end() - truth_.duration() / 10;
         ThreePointError early, late;
-        TrackRow row = run_method(
-            method, parameters, rig(), truth_, c.stream,
-            [&](const TrackMoment& m) {
-              if (m.fresh && m.sighting.t < tenth) early.add(m.tracker.X_WB(), m.X_WB);
-              if (m.fresh && m.sighting.t >= last) late.add(m.tracker.X_WB(), m.X_WB);
-            },
-            request_.start);
-        return {c.name, row, {{"first_tenth_mm", 1e3 * early.rms()}, {"last_tenth_mm", 1e3 * late.rms()}}};
+        run([&](const TrackMoment& m) {
+          if (m.fresh && m.sighting.t < tenth) early.add(m.tracker.X_WB(), m.X_WB);
+          if (m.fresh && m.sighting.t >= last) late.add(m.tracker.X_WB(), m.X_WB);
+        });
+        result.more = {{"first_tenth_mm", 1e3 * early.rms()}, {"last_tenth_mm", 1e3 * late.rms()}};
+        break;
       }
       case TrackScenario::spectra:
       case TrackScenario::ordering: {
         OutputNoise noise(1000.0);
-        TrackRow row = run_method(
-            method, parameters, rig(), truth_, c.stream, [&](const TrackMoment& m) { noise.add(m); }, request_.start);
+        run([&](const TrackMoment& m) { noise.add(m); });
         const auto mm = [](std::optional<double> m) { return m ? std::optional(1e3 * *m) : std::nullopt; };
-        return {c.name,
-                row,
-                {{"noise_above_100_hz_mm", mm(noise.above(100.0))},
-                 {"held_noise_above_100_hz_mm", mm(noise.held_above(100.0))},
-                 {"peak_over_median", noise.peak_above(100.0)}}};
+        result.more = {{"noise_above_100_hz_mm", mm(noise.above(100.0))},
+                       {"held_noise_above_100_hz_mm", mm(noise.held_above(100.0))},
+                       {"peak_over_median", noise.peak_above(100.0)}};
+        break;
       }
       case TrackScenario::faults: {
         long good = 0, good_gated = 0, wrong = 0, wrong_gated = 0;
-        TrackRow row = run_method(
-            method, parameters, rig(), truth_, c.stream,
-            [&](const TrackMoment& m) {
-              const bool is_wrong = m.sighting.faults.wrong_beacon;
-              ++(is_wrong ? wrong : good);
-              if (m.tracker.turned_away()) ++(is_wrong ? wrong_gated : good_gated);
-            },
-            request_.start);
-        return {c.name,
-                row,
-                {{"good_gated_pct", percent(good_gated, good)}, {"wrong_gated_pct", percent(wrong_gated, wrong)}}};
+        run([&](const TrackMoment& m) {
+          const bool is_wrong = m.sighting.faults.wrong_beacon;
+          ++(is_wrong ? wrong : good);
+          if (m.tracker.turned_away()) ++(is_wrong ? wrong_gated : good_gated);
+        });
+        result.more = {{"good_gated_pct", percent(good_gated, good)}, {"wrong_gated_pct", percent(wrong_gated, wrong)}};
+        break;
       }
       default:
-        return {c.name, run_method(method, parameters, rig(), truth_, c.stream, {}, request_.start), {}};
+        run({});
     }
+    return result;
   }
 
   [[nodiscard]] static std::optional<double> percent(long part, long whole) {
@@ -192,7 +203,8 @@ class Scenario {
     const TrackParameters parameters = track_parameters(method);
     std::vector<std::optional<Duration>> times;
     TrackRow row;
-    if (all.size() <= sightings) return {name, row, recovery_figures(times)};
+    RecoveryCurves curves;
+    if (all.size() <= sightings) return {name, row, recovery_figures(times), {}};
     for (int trial = 0; trial < trials; ++trial) {
       KeyedNumbers numbers(request_.seed, {trial, 17});
       const auto first = static_cast<std::size_t>(numbers.below(static_cast<int>(all.size() - sightings)));
@@ -205,11 +217,15 @@ class Scenario {
           search ? ScaatTracker(rig(), beacons, parameters.process, settings, again)
                  : ScaatTracker(rig(), beacons, far_off(part.front().t, numbers), parameters.process, settings, again);
       RecoveryTime recovery(part.front().t);
-      row = run_tracker(tracker, part, truth_, [&](const TrackMoment& m) { recovery.add(m); });
+      curves.begin(part.front().t);
+      row = run_tracker(tracker, part, truth_, [&](const TrackMoment& m) {
+        recovery.add(m);
+        if (request_.curves) curves.add(m);
+      });
       times.push_back(recovery.time());
     }
     row.method = method;
-    return {name, row, recovery_figures(times)};
+    return {name, row, recovery_figures(times), request_.curves ? curves.curves() : std::vector<TrackCurve>{}};
   }
 
   /// 4 m from the truth in a random direction, and turned anyhow (002 6.2.7's covariance: 2 m^2, and 180 deg).
@@ -251,19 +267,31 @@ class Scenario {
     if (!search) forbid_search(settings, again);
     ScaatTracker tracker(rig(), beacons, starting_state(truth_, seen.front().t, request_.start), parameters.process,
                          settings, again);
+    TrackCurves whole(truth_);
+    RecoveryCurves after;
+    std::size_t trials = 0;
     std::vector<RecoveryTime> recoveries;
     for (const HostTime end : ends) recoveries.emplace_back(end);
     TrackRow row = run_tracker(tracker, seen, truth_, [&](const TrackMoment& m) {
       for (std::size_t i = 0; i < ends.size(); ++i) {
         if (m.sighting.t >= ends[i] && m.sighting.t < ends[i] + seconds(1)) recoveries[i].add(m);
       }
+      if (!request_.curves) return;
+      whole.add(m);
+      if (trials < ends.size() && m.sighting.t >= ends[trials]) after.begin(ends[trials++]);
+      after.add(m);
     });
     std::vector<std::optional<Duration>> times;
     for (const RecoveryTime& recovery : recoveries) times.push_back(recovery.time());
     row.method = method;
     row.accepted = row.updates;
     if (parameters.autocalibrate) row.beacons = beacon_errors(rig(), beacons);
-    return {name, row, recovery_figures(times)};
+    TrackCaseRow result{name, row, recovery_figures(times), {}};
+    if (request_.curves) {
+      result.curves = whole.curves();
+      for (TrackCurve& curve : after.curves()) result.curves.push_back(std::move(curve));
+    }
+    return result;
   }
 
   const TrackRequest& request_;

@@ -11,6 +11,8 @@
 
 #include <holdfast/registration/track_experiment.hpp>
 
+#include "track_curves.hpp"
+
 namespace swimlab {
 
 enum class TrackScenario { typical, still, cold_start, blocked, low_rate, simultaneous, spectra, ordering, faults };
@@ -38,6 +40,7 @@ struct TrackCaseRow {
   std::string case_name;
   holdfast::TrackRow row;
   std::vector<MoreFigure> more;
+  std::vector<TrackCurve> curves;  ///< none unless asked for
 };
 
 struct TrackRequest {
@@ -45,6 +48,7 @@ struct TrackRequest {
   std::vector<holdfast::TrackMethod> methods;
   std::uint64_t seed = 1;
   holdfast::StartKnowledge start;
+  bool curves = false;  ///< whether rows are to have them
 };
 
 /// Methods that the scenario can show, of those it is usually shown with.

@@ -1,12 +1,19 @@
 """Tests `swimlab track` from outside: exit codes and messages, the JSON contract, and that methods rank as they should."""
 
 import pathlib
+import re
 import sys
 
 import outside
 from outside import Case, strict_json, swimlab
 
 RECORDINGS = sys.argv[2] if len(sys.argv) > 2 else ""
+
+
+def page_of(file):
+    """What report.html tells: its data's page."""
+    found = re.search(r'<script type="application/json" id="report-data">(.*?)</script>', file.read_text(), re.S)
+    return strict_json(found.group(1))["page"]
 
 
 class BadUse(Case):
@@ -63,11 +70,85 @@ class Track(Case):
             self.assertAlmostEqual(row["beacon_error_mm"]["before"], 1.73, delta=0.3)
         self.assertTrue(learns or row["beacon_error_mm"] is None)
 
+    def page(self, *options):
+        """The report's page, complete and without broken values; its charts by their ids."""
+        self.done("track", "hiball", *options, "--out", "page")
+        page = page_of(self.dir / "page/report.html")
+        texts = [page["title"], page["command"], *page["paragraphs"]]
+        for row in page["table"]["rows"]:
+            self.assertEqual(len(row), len(page["table"]["columns"]))
+        for chart in page["charts"]:
+            with self.subTest(chart=chart["id"]):
+                texts += [chart[key] for key in ["title", "caption"]]
+                texts += [axis[key] for axis in [chart["x"], chart.get("y", chart["x"])] for key in ["label", "unit"]]
+                self.check_bars(chart) if "bars" in chart else self.check_curves(chart)
+        for text in texts:
+            self.assertNotEqual(text, "")
+            self.assertNotRegex(text, r"\b(nan|inf|null|undefined)\b|- mm|- %")
+        charts = {chart["id"]: chart for chart in page["charts"]}
+        self.assertEqual(len(charts), len(page["charts"]))
+        return page, charts
+
+    def check_bars(self, chart):
+        self.assertTrue(chart["rows"])
+        for row in chart["rows"]:
+            self.assertTrue(row["label"])
+            self.assertEqual(len(row["values"]), len(chart["series"]))
+            for value in row["values"]:
+                self.assertTrue(value is None or value >= 0)
+
+    def check_curves(self, chart):
+        self.assertTrue(2 <= len(chart["rows"]) <= 700)
+        xs = [row[0] for row in chart["rows"]]
+        self.assertEqual(xs, sorted(xs))
+        for i, series in enumerate(chart["series"], 1):
+            values = [row[i] for row in chart["rows"] if row[i] is not None]
+            self.assertTrue(values, series)
+            self.assertGreater(min(values), 0)
+        for row in chart["rows"]:
+            self.assertEqual(len(row), len(chart["series"]) + 1)
+
+    def test_pages_have_what_the_scenario_has(self):
+        learner = ["--methods", "scaat_autocal", "--seconds"]
+        errors = {"three_points", "position", "angle", "leds"}
+        for scenario, seconds, expected in [
+                ("typical", 3, errors | {"error"}),
+                ("spectra", 3, errors | {"error", "noise", "held_noise", "noise_above"}),
+                ("ordering", 3, errors | {"error-scaat_autocal", "noise-scaat_autocal", "noise_above"}),
+                ("low-rate", 7, errors | {"error-scaat_autocal", "noise-scaat_autocal"}),
+                ("still", 3, errors | {"error-scaat_autocal", "noise-scaat_autocal", "drift"}),
+                ("simultaneous", 3, errors | {"error-scaat_autocal"}),
+                ("faults", 3, errors | {"error-scaat_autocal", "gate"}),
+                ("blocked", 8, {"recovered", "recovery-scaat_autocal", "error-scaat_autocal", "leds"}),
+                ("cold-start", 3, {"recovered", "recovery-scaat_autocal"})]:
+            with self.subTest(scenario=scenario):
+                page, charts = self.page("--scenario", scenario, *learner, seconds)
+                self.assertEqual(set(charts), expected)
+                self.assertIn(f"--scenario {scenario} --methods scaat_autocal --seconds {seconds} ", page["command"])
+
+    def test_a_page_says_what_the_json_says(self):
+        page, charts = self.page("--seconds", "4", "--methods", "scaat_autocal,collinearity10")
+        rows = strict_json((self.dir / "page/track.json").read_text())["rows"]
+        for row, shown, table in zip(rows, charts["three_points"]["rows"], page["table"]["rows"], strict=True):
+            for value, key in zip(shown["values"], ["rms", "peak"], strict=True):
+                self.assertAlmostEqual(value / row["three_point_mm"][key], 1, delta=1e-3)  # four digits
+            self.assertEqual(table[:2], [shown["label"], shown["values"][0]])
+        self.assertTrue(charts["three_points"]["x"]["log"])  # they differ by more than ten times
+        rms = [row["three_point_mm"]["rms"] for row in rows]
+        self.assertEqual(charts["error"]["y"]["log"], max(rms) >= 10 * min(rms))
+        self.assertEqual([row["label"] for row in charts["leds"]["rows"]], ["SCAAT, learns LEDs"])
+        # The worst estimate of all is in some bin. A peak is of one point, a bin's error the RMS of the estimate's three.
+        for i, row in enumerate(rows, 1):
+            worst = max(line[i] or 0 for line in charts["error"]["rows"])
+            self.assertLessEqual(worst, row["three_point_mm"]["peak"] * 1.001)
+            self.assertGreaterEqual(worst, 0.999 * row["three_point_mm"]["peak"] / 3 ** 0.5)
+
     def test_typical_ranks_the_methods(self):
         result, rows = self.rows("--seconds", "10", "--out", "o")
         self.assertEqual(result["scenario"], "typical")
         self.assertEqual(strict_json((self.dir / "o/track.json").read_text()), result)
-        names = ["scaat", "scaat_autocal", "scaat_autocal_2", "mcaat3", "mcaat10", "collinearity10"]
+        names = ["scaat", "scaat_autocal", "scaat_autocal_2", "joint", "joint_2", "joint_models", "mcaat3", "mcaat10",
+                 "collinearity10"]
         self.assertEqual([row["method"] for row in result["rows"]], names)
         rms = {method: row["three_point_mm"]["rms"] for (method, _), row in rows.items()}
         for better, worse in [("scaat_autocal_2", "scaat_autocal"), ("scaat_autocal", "mcaat3"), ("mcaat3", "mcaat10"),
@@ -99,7 +180,8 @@ class Track(Case):
 
     def test_orders_and_noise(self):
         _, rows = self.rows("--scenario", "ordering", "--seconds", "4")
-        self.assertEqual([case for _, case in rows], ["round-robin", "random", "least recently used"])
+        self.assertEqual(list(rows), [(method, case) for case in ["round-robin", "random", "least recently used"]
+                                      for method in ["scaat_autocal", "joint"]])
         _, rows = self.rows("--scenario", "spectra", "--seconds", "4", "--methods", "scaat_autocal,collinearity10")
         scaat, collinearity = rows["scaat_autocal", None], rows["collinearity10", None]
         self.assertLess(scaat["held_noise_above_100_hz_mm"], 0.1 * collinearity["held_noise_above_100_hz_mm"])

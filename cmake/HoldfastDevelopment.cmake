@@ -24,10 +24,6 @@ elseif(HOLDFAST_SANITIZE_THREADS)
 endif()
 target_compile_options(holdfast_development INTERFACE ${HOLDFAST_SANITIZERS})
 target_link_options(holdfast_development INTERFACE ${HOLDFAST_SANITIZERS})
-if(HOLDFAST_SANITIZE_THREADS AND CMAKE_CXX_COMPILER_ID MATCHES Clang)
-  # Tests that count allocations replace operator new, which clang's ThreadSanitizer defines as well: ours comes first.
-  target_link_options(holdfast_development INTERFACE -Wl,--allow-multiple-definition)
-endif()
 
 # Recordings that are not ours to ship; tests that want them say so when they are absent.
 set(HOLDFAST_RECORDINGS "${PROJECT_SOURCE_DIR}/../shared/data" CACHE PATH "Folder of recorded motion and devices")

@@ -12,6 +12,20 @@ std::size_t holdfast::test::allocations() {
   return count;
 }
 
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define HOLDFAST_THREAD_SANITIZER
+#endif
+#elif defined(__SANITIZE_THREAD__)
+#define HOLDFAST_THREAD_SANITIZER
+#endif
+
+#ifdef HOLDFAST_THREAD_SANITIZER
+// ThreadSanitizer has an operator new of its own, and tells of each request.
+extern "C" void __sanitizer_malloc_hook(const volatile void*, std::size_t) {
+  ++count;
+}
+#else
 // A file of their own: where a delete is inlined, g++ sees the free without this new, and warns.
 void* operator new(std::size_t size) {
   ++count;
@@ -29,3 +43,4 @@ void operator delete(void* p) noexcept {
 void operator delete(void* p, std::size_t) noexcept {
   std::free(p);
 }
+#endif

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <holdfast/motion/timed_pose.hpp>
+#include <holdfast/tracking/inertial_reading.hpp>
 
 namespace holdfast {
 
@@ -20,12 +21,6 @@ struct RangeReading {
   HostTime t;
   std::size_t anchor = 0;  ///< index in RangeRecording::anchors
   double range_m = 0.0;
-};
-
-struct InertialReading {
-  HostTime t;
-  Vector3 rate_B = Vector3::Zero();   ///< angular velocity, rad/s
-  Vector3 force_B = Vector3::Zero();  ///< specific force, m/s^2: what a body at rest feels points up
 };
 
 struct RangeRecording {

@@ -4,7 +4,7 @@
 /// order matters, physics gives it: move_panel (light comes from elsewhere), misidentify, add_noise_burst, block_cameras,
 /// jump_clock (times are then no longer true), deliver.
 /// Random choices belong to (seed, time, camera, beacon) (keyed_numbers.hpp), so a fault hits the same sightings whatever
-/// was removed before. Spans are half open, begin <= t < end.
+/// was removed before.
 /// Bad input: probabilities are clamped to [0, 1]; a camera or panel that does not exist matches nothing or asserts.
 #pragma once
 
@@ -13,14 +13,9 @@
 #include <vector>
 
 #include <holdfast/simulation/hiball_sightings.hpp>
+#include <holdfast/simulation/time_span.hpp>
 
 namespace holdfast {
-
-struct TimeSpan {
-  HostTime begin, end;
-
-  [[nodiscard]] bool contains(HostTime t) const { return t >= begin && t < end; }
-};
 
 /// Removes what these cameras saw in the span; no camera named means all of them (002 6.2.8).
 inline void block_cameras(std::vector<BeaconSighting>& sightings, const TimeSpan& span,

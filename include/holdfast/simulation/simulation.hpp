@@ -7,5 +7,8 @@
 #include <holdfast/simulation/hiball_ceiling.hpp>
 #include <holdfast/simulation/hiball_rig.hpp>
 #include <holdfast/simulation/hiball_sightings.hpp>
+#include <holdfast/simulation/inertial_faults.hpp>
+#include <holdfast/simulation/inertial_sensor.hpp>
 #include <holdfast/simulation/keyed_numbers.hpp>
 #include <holdfast/simulation/sighting_stream.hpp>
+#include <holdfast/simulation/time_span.hpp>

@@ -8,12 +8,10 @@
 /// Bad input: nothing of its own; numbers that are not finite are refused by the filter.
 #pragma once
 
+#include <holdfast/tracking/inertial_reading.hpp>
 #include <holdfast/tracking/measurement.hpp>
 
 namespace holdfast {
-
-/// Standard gravity, m/s^2.
-inline constexpr double standard_gravity = 9.80665;
 
 struct AngularRate {
   static constexpr int size = 3;

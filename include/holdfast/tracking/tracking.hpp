@@ -19,11 +19,13 @@
 #include <holdfast/tracking/dipole_field.hpp>
 #include <holdfast/tracking/head_dynamics.hpp>
 #include <holdfast/tracking/inertial_measurement.hpp>
+#include <holdfast/tracking/inertial_reading.hpp>
 #include <holdfast/tracking/innovation.hpp>
 #include <holdfast/tracking/innovation_gate.hpp>
 #include <holdfast/tracking/joint_angles.hpp>
 #include <holdfast/tracking/joint_filter.hpp>
 #include <holdfast/tracking/joint_state.hpp>
+#include <holdfast/tracking/linear_acceleration.hpp>
 #include <holdfast/tracking/mcaat_filter.hpp>
 #include <holdfast/tracking/measurement.hpp>
 #include <holdfast/tracking/measurement_ordering.hpp>

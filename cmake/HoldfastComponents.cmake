@@ -5,10 +5,10 @@ set(HOLDFAST_INCLUDE_DIR "${PROJECT_SOURCE_DIR}/include")
 set(HOLDFAST_GENERATED_DIR "${PROJECT_BINARY_DIR}/generated/include")
 set(HOLDFAST_DEFINED_COMPONENTS "")
 
-# holdfast_add_component(NAME FOLDERS folder... [HEADERS pattern...] [GENERATED header...]): folders with all that is below them,
-# and further headers of include/holdfast by pattern.
+# holdfast_add_component(NAME FOLDERS folder... [HEADERS pattern...] [EXCEPT header...] [GENERATED header...]): folders with all
+# that is below them, and further headers of include/holdfast by pattern; without some that are another component's.
 function(holdfast_add_component name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "FOLDERS;HEADERS;GENERATED")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "FOLDERS;HEADERS;EXCEPT;GENERATED")
   set(headers "")
   foreach(folder IN LISTS arg_FOLDERS)
     file(GLOB_RECURSE found CONFIGURE_DEPENDS "${HOLDFAST_INCLUDE_DIR}/holdfast/${folder}/*.hpp")
@@ -18,6 +18,8 @@ function(holdfast_add_component name)
     file(GLOB found CONFIGURE_DEPENDS "${HOLDFAST_INCLUDE_DIR}/holdfast/${pattern}")
     list(APPEND headers ${found})
   endforeach()
+  list(TRANSFORM arg_EXCEPT PREPEND "${HOLDFAST_INCLUDE_DIR}/holdfast/")
+  list(REMOVE_ITEM headers ${arg_EXCEPT})
   add_library(holdfast_${name} INTERFACE)
   add_library(holdfast::${name} ALIAS holdfast_${name})
   set_target_properties(holdfast_${name} PROPERTIES EXPORT_NAME ${name})
@@ -38,8 +40,19 @@ if(Eigen3_VERSION VERSION_LESS 3.4)
 endif()
 # A version given to find_package would also cap it: Eigen 5's package file calls itself incompatible with 3.4.
 holdfast_add_component(core HEADERS *.hpp FOLDERS geometry timing motion frames tracking prediction optics deflection simulation
-  calibration registration pipeline)
+  calibration registration pipeline EXCEPT calibration/filter_tuning.hpp)
 target_link_libraries(holdfast_core INTERFACE Eigen3::Eigen Threads::Threads)
+
+# calibration: what of the folder needs more than the core.
+if("calibration" IN_LIST HOLDFAST_COMPONENTS)
+  find_package(NLopt QUIET)
+  if(TARGET NLopt::nlopt)
+    holdfast_add_component(calibration HEADERS calibration/filter_tuning.hpp)
+    target_link_libraries(holdfast_calibration INTERFACE holdfast_core NLopt::nlopt)
+  else()
+    message(STATUS "holdfast::calibration left out: needs NLopt (Debian: libnlopt-dev)")
+  endif()
+endif()
 
 if("io" IN_LIST HOLDFAST_COMPONENTS)
   find_package(nlohmann_json 3.10 QUIET)

@@ -1,10 +1,11 @@
 /// Everything of the core: needs Eigen and the standard library alone.
 ///
 /// The optional components have umbrellas of their own: holdfast/io/io.hpp, holdfast/rendering/rendering.hpp,
-/// holdfast/scene/scene.hpp, holdfast/interop/glm.hpp.
+/// holdfast/scene/scene.hpp, holdfast/interop/glm.hpp, holdfast/calibration/filter_tuning.hpp.
 #pragma once
 
 #include <holdfast/assert.hpp>
+#include <holdfast/calibration/calibration.hpp>
 #include <holdfast/deflection/deflection.hpp>
 #include <holdfast/frames/frames.hpp>
 #include <holdfast/geometry/geometry.hpp>

@@ -25,7 +25,7 @@ elseif(MODE STREQUAL "installed_core_alone")
   run("${CMAKE_COMMAND}" -S "${consumer}" -B "${scratch}/build" ${common} "-DCMAKE_PREFIX_PATH=${scratch}/prefix"
     -DWANTED=core -DCMAKE_DISABLE_FIND_PACKAGE_PNG=ON -DCMAKE_DISABLE_FIND_PACKAGE_nlohmann_json=ON
     -DCMAKE_DISABLE_FIND_PACKAGE_assimp=ON -DCMAKE_DISABLE_FIND_PACKAGE_OpenGL=ON -DCMAKE_DISABLE_FIND_PACKAGE_glm=ON
-    -DCMAKE_DISABLE_FIND_PACKAGE_OpenXR=ON)
+    -DCMAKE_DISABLE_FIND_PACKAGE_OpenXR=ON -DCMAKE_DISABLE_FIND_PACKAGE_NLopt=ON)
 elseif(MODE STREQUAL "subdirectory")
   run("${CMAKE_COMMAND}" -S "${consumer}" -B "${scratch}/build" ${common} -DHOLDFAST_SOURCE=${HOLDFAST_SOURCE}
     "-DWANTED=core;${COMPONENTS}")
@@ -33,12 +33,14 @@ elseif(MODE STREQUAL "fetch_content")
   run("${CMAKE_COMMAND}" -S "${consumer}" -B "${scratch}/build" ${common}
     -DFETCHCONTENT_SOURCE_DIR_HOLDFAST=${HOLDFAST_SOURCE} "-DWANTED=core;${COMPONENTS}")
 elseif(MODE STREQUAL "no_gl")
-  # As on a machine where no GL library can be found: rendering and scene are left out and said to be, the rest builds.
+  # As on a machine without GL libraries and NLopt: what needs them is left out and said to be, the rest builds.
   run("${CMAKE_COMMAND}" -S "${consumer}" -B "${scratch}/build" ${common} -DHOLDFAST_SOURCE=${HOLDFAST_SOURCE}
-    -DCMAKE_DISABLE_FIND_PACKAGE_OpenGL=ON "-DWANTED=core;io;glm")
-  if(NOT run_output MATCHES "holdfast::rendering left out")
-    message(FATAL_ERROR "configuring without GL did not say that rendering was left out:\n${run_output}")
-  endif()
+    -DCMAKE_DISABLE_FIND_PACKAGE_OpenGL=ON -DCMAKE_DISABLE_FIND_PACKAGE_NLopt=ON "-DWANTED=core;io;glm")
+  foreach(component rendering calibration)
+    if(NOT run_output MATCHES "holdfast::${component} left out")
+      message(FATAL_ERROR "configuring did not say that ${component} was left out:\n${run_output}")
+    endif()
+  endforeach()
 endif()
 
 run("${CMAKE_COMMAND}" --build "${scratch}/build")

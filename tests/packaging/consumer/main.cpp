@@ -2,6 +2,9 @@
 #include <cstdio>
 
 #include <holdfast/optics/hmd.hpp>
+#ifdef WITH_CALIBRATION
+#include <holdfast/calibration/filter_tuning.hpp>
+#endif
 #ifdef WITH_IO
 #include <holdfast/io/png.hpp>
 #endif
@@ -23,6 +26,11 @@ int main() {
   const auto pixel = holdfast::project(hmd.left, holdfast::Vector3(0, 0, -1));
   if (!pixel) return 1;
   std::printf("a point straight ahead of the left eye is at pixel %.1f, %.1f\n", pixel->x(), pixel->y());
+#ifdef WITH_CALIBRATION
+  const std::vector<holdfast::TunedParameter> parameters{{"gain", "", 2.0}, {"decay", "1/s", 2.0}};
+  const auto cost = [](std::span<const double> x) { return x[0] + 1 / x[0] + x[1] + 1 / x[1]; };
+  if (!holdfast::tune(parameters, cost).ok()) return 1;
+#endif
 #ifdef WITH_IO
   const holdfast::io::Image image(1, 1, {1, 2, 3, 255});
   if (holdfast::io::encode_png(image).empty()) return 1;

@@ -3,6 +3,9 @@
 #include <cstddef>
 
 #include <holdfast/holdfast.hpp>
+#ifdef WITH_CALIBRATION
+#include <holdfast/calibration/filter_tuning.hpp>
+#endif
 #ifdef WITH_IO
 #include <holdfast/io/io.hpp>
 #endif

@@ -1,6 +1,7 @@
 /// Everything of prediction/.
 #pragma once
 
+#include <holdfast/prediction/azuma_bishop_prediction.hpp>
 #include <holdfast/prediction/error_statistics.hpp>
 #include <holdfast/prediction/evaluation.hpp>
 #include <holdfast/prediction/jitter.hpp>

@@ -3,6 +3,9 @@
 
 #include <holdfast/tracking/acquisition.hpp>
 #include <holdfast/tracking/advance.hpp>
+#include <holdfast/tracking/azuma_bishop_filter.hpp>
+#include <holdfast/tracking/azuma_bishop_orientation.hpp>
+#include <holdfast/tracking/azuma_bishop_position.hpp>
 #include <holdfast/tracking/backward_difference.hpp>
 #include <holdfast/tracking/bearing.hpp>
 #include <holdfast/tracking/body_point.hpp>

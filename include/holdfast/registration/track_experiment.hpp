@@ -50,7 +50,8 @@ struct TrackRow {
   long sightings = 0;           ///< given to the method
   long updates = 0;             ///< estimates
   long accepted = 0;            ///< sightings that estimates were made of
-  long gated = 0;               ///< turned away by the gate
+  long gated = 0;               ///< turned away by the gate, under the name that they came with
+  long renamed = 0;             ///< of these, how many counted under another name
   double microseconds_per_update = 0.0;
   std::optional<BeaconErrors> beacons;  ///< of methods that learn them
   double nees = std::numeric_limits<double>::quiet_NaN();
@@ -106,9 +107,9 @@ struct StartKnowledge {
   return {group(1), group(BeaconErrors::often)};
 }
 
-/// The two process models of joint_models, still and moving, and how long each is taken to last.
-[[nodiscard]] inline ModelSet<2, 2> still_and_moving(const TrackParameters& parameters) {
-  return {{still_process(), parameters.process}, {0.5, 5.0}};
+/// The two process models of joint_models, resting and moving, and how long each is taken to last.
+[[nodiscard]] inline ModelSet<2, 2> resting_and_moving(const TrackParameters& parameters) {
+  return {{resting_process(), parameters.process}, {0.5, 5.0}};
 }
 
 /// A tracker that starts from a state. `rig` and `beacons` must outlive it.
@@ -118,13 +119,17 @@ struct StartKnowledge {
   if (is_scaat(method)) {
     ScaatSettings settings;
     settings.gate = parameters.gate;
+    const RenamingSettings renaming{.in_a_row = parameters.renamed_in_a_row};
     if (method == TrackMethod::joint || method == TrackMethod::joint_2) {
-      return std::make_unique<JointTracker>(rig, beacons, start, parameters.process, settings);
+      return std::make_unique<JointTracker>(rig, beacons, start, parameters.process, settings, ReacquisitionSettings(),
+                                            renaming);
     }
     if (method == TrackMethod::joint_models) {
-      return std::make_unique<JointModelsTracker>(rig, beacons, start, still_and_moving(parameters), settings);
+      return std::make_unique<JointModelsTracker>(rig, beacons, start, resting_and_moving(parameters), settings,
+                                                  ReacquisitionSettings(), renaming);
     }
-    return std::make_unique<ScaatTracker>(rig, beacons, start, parameters.process, settings);
+    return std::make_unique<ScaatTracker>(rig, beacons, start, parameters.process, settings, ReacquisitionSettings(),
+                                          renaming);
   }
   if (method == TrackMethod::collinearity10) {
     return std::make_unique<ResectionTracker>(rig, beacons, start.X_WB, parameters.window);
@@ -144,6 +149,7 @@ inline TrackRow run_tracker(HiBallTracker& tracker, std::span<const BeaconSighti
     const bool fresh = tracker.add(sighting);
     spent += Clock::now() - begin;
     row.gated += tracker.turned_away();
+    row.renamed += tracker.renamed();
     nis_mean.add(tracker.nis());
     const Rigid X_WB = truth.at(sighting.t).X_WB;
     if (fresh) {

@@ -5,7 +5,7 @@
 ///   scaat_autocal_2  a second run that begins with the beacons of the first: 002's dagger
 ///   joint            SCAAT that keeps what the newest 12 beacons have to do with the pose (tracking/joint_filter.hpp)
 ///   joint_2          a second run of it
-///   joint_models     the same with two process models at once, of the moving and of the still tuning; told neither
+///   joint_models     the same with two process models at once, joint's and one of rest; told neither
 ///   mcaat3, mcaat10  3 and 10 sightings in one update (E.3.1)
 ///   collinearity10   10 sightings resected, no filter (E.3.2)
 /// The Kalman filters of several sightings learn beacons too, as in 002's figure 6.4: tuned so they are better, or no worse.
@@ -79,11 +79,20 @@ struct TrackParameters {
   bool autocalibrate = false;
   WindowShape window{1, false};
   GateSettings gate;
+  int renamed_in_a_row = 8;  ///< RenamingSettings (simulation/hiball_trackers.hpp)
 };
 
 /// 002 table 6.8's lateral intensity for all directions, and its least one for turns.
 [[nodiscard]] inline PvModel still_process() {
   return PvModel::hiball(4.14e-6, 4.14e-6, Vector3::Constant(5.95e-4));
+}
+
+/// The still one of two models at once: velocities that fade in 10 ms, of 1.6 mm/s and 3.9 mrad/s. A model that keeps its
+/// velocity, as `still_process` does, would be believed wherever a motion is steady, and be surprised by what comes next.
+[[nodiscard]] inline PvModel resting_process() {
+  PvModel model = PvModel::hiball(5e-4, 5e-4, Vector3::Constant(3e-3));
+  model.decay.setConstant(100.0);
+  return model;
 }
 
 [[nodiscard]] inline TrackParameters track_parameters(TrackMethod method, TrackTuning tuning = TrackTuning::moving) {
@@ -111,8 +120,8 @@ struct TrackParameters {
       residual_m2 = 3e-9;
       break;
     case TrackMethod::joint_models:
-      p.process = scaled(0.7);
-      residual_m2 = 1e-8;
+      p.process = scaled(0.5);
+      residual_m2 = 5e-9;
       break;
     case TrackMethod::mcaat3:
       p.process = scaled(1.0);

@@ -5,6 +5,9 @@
 /// SCAAT's also find themselves anew: while it has no pose, or when its gate says that it is lost, or after
 /// `ReacquisitionSettings::longest_gap` without sightings, it collects the newest sightings, searches the pose that most
 /// of them agree with (acquisition.hpp), and starts from there.
+/// And they find the right name of a sighting that their gate turned away: that of the beacon whose image is there
+/// (nearest_beacon.hpp), when the gate accepts it as such. At most `RenamingSettings::in_a_row` sightings in a row, and only
+/// while the gate has not widened: a filter that is off by a whole period of the ceiling would find a name for everything.
 /// Bad input: preconditions are that cameras and beacons exist (assert). Sightings back in time are ignored.
 #pragma once
 
@@ -15,6 +18,7 @@
 #include <vector>
 
 #include <holdfast/simulation/hiball_sightings.hpp>
+#include <holdfast/simulation/nearest_beacon.hpp>
 #include <holdfast/tracking/acquisition.hpp>
 #include <holdfast/tracking/collinearity.hpp>
 #include <holdfast/tracking/joint_filter.hpp>
@@ -49,8 +53,10 @@ class HiBallTracker {
   [[nodiscard]] virtual const TargetState<2>* state() const = 0;
   /// Normalised innovation squared of the last sighting, which has two numbers; nothing for methods that do not tell.
   [[nodiscard]] virtual std::optional<double> nis() const { return std::nullopt; }
-  /// Whether the last sighting was turned away by a gate or for a bad beacon's sake.
+  /// Whether the last sighting was turned away by a gate or for a bad beacon's sake, under the name that it came with.
   [[nodiscard]] virtual bool turned_away() const { return false; }
+  /// Whether it counted under another name then.
+  [[nodiscard]] virtual bool renamed() const { return false; }
   /// Writes to the table of beacons what has been learnt and is not there yet.
   virtual void settle() {}
 };
@@ -63,6 +69,11 @@ struct ReacquisitionSettings {
   AcquisitionSettings search{.tolerance_rad = 0.03};      ///< covers a turn of 150 deg/s in 12 ms
 };
 
+struct RenamingSettings {
+  int in_a_row = 8;  ///< 0: a sighting's name is never doubted
+  NearestBeaconSettings nearest;
+};
+
 /// Of one sighting at a time, by a filter that has ScaatFilter's face.
 template <typename Filter>
 class SearchingTracker : public HiBallTracker {
@@ -70,30 +81,44 @@ class SearchingTracker : public HiBallTracker {
   /// Starts from a state. `rig` and `beacons` are not owned. `model`: what the filter takes.
   template <typename Model>
   SearchingTracker(const HiBallRig& rig, DeviceTable<3>& beacons, const TargetState<2>& start, const Model& model,
-                   const ScaatSettings& settings = {}, const ReacquisitionSettings& again = {})
-      : rig_(&rig), beacons_(&beacons), filter_(start, model, settings), again_(again), tracking_(true) {}
+                   const ScaatSettings& settings = {}, const ReacquisitionSettings& again = {},
+                   const RenamingSettings& renaming = {})
+      : rig_(&rig),
+        beacons_(&beacons),
+        filter_(start, model, settings),
+        again_(again),
+        renaming_(renaming),
+        tracking_(true) {}
   /// Knows nothing, and searches.
   template <typename Model>
   SearchingTracker(const HiBallRig& rig, DeviceTable<3>& beacons, const Model& model,
-                   const ScaatSettings& settings = {}, const ReacquisitionSettings& again = {})
-      : rig_(&rig), beacons_(&beacons), filter_({}, model, settings), again_(again), tracking_(false) {}
+                   const ScaatSettings& settings = {}, const ReacquisitionSettings& again = {},
+                   const RenamingSettings& renaming = {})
+      : rig_(&rig),
+        beacons_(&beacons),
+        filter_({}, model, settings),
+        again_(again),
+        renaming_(renaming),
+        tracking_(false) {}
 
   bool add(const BeaconSighting& sighting) override {
-    turned_away_ = false;
+    turned_away_ = renamed_ = false;
     nis_.reset();
     remember(sighting);
     if (tracking_ && (filter_.gate().lost() || sighting.t - filter_.state().t > again_.longest_gap)) tracking_ = false;
     if (!tracking_) return search(sighting.t);
-    const UpdateStatus status =
-        filter_.update(sighting.t, camera_sighting(*rig_, sighting), {*beacons_, sighting.beacon});
+    const UpdateStatus status = update(sighting, sighting.beacon);
     turned_away_ = status == UpdateStatus::gated || status == UpdateStatus::on_probation;
     if (turned_away_ || status == UpdateStatus::updated) nis_ = filter_.nis();
-    return status == UpdateStatus::updated;
+    if (status == UpdateStatus::updated) renamed_in_a_row_ = 0;
+    if (status == UpdateStatus::gated) renamed_ = counts_renamed(sighting);
+    return status == UpdateStatus::updated || renamed_;
   }
   [[nodiscard]] const Rigid& X_WB() const override { return filter_.state().X_WB; }
   [[nodiscard]] const TargetState<2>* state() const override { return &filter_.state(); }
   [[nodiscard]] std::optional<double> nis() const override { return nis_; }
   [[nodiscard]] bool turned_away() const override { return turned_away_; }
+  [[nodiscard]] bool renamed() const override { return renamed_; }
   void settle() override {
     if constexpr (requires { filter_.settle(); }) filter_.settle();
   }
@@ -108,6 +133,23 @@ class SearchingTracker : public HiBallTracker {
     if (!recent_.empty() && sighting.t - recent_.back().t > again_.longest_gap) recent_.clear();
     if (static_cast<int>(recent_.size()) == again_.sightings) recent_.erase(recent_.begin());
     recent_.push_back(sighting);
+  }
+
+  UpdateStatus update(const BeaconSighting& sighting, int beacon) {
+    return filter_.update(sighting.t, camera_sighting(*rig_, sighting), {*beacons_, beacon});
+  }
+
+  /// Of a sighting that was gated: whether it is an update under another name.
+  bool counts_renamed(const BeaconSighting& sighting) {
+    if (renamed_in_a_row_ >= renaming_.in_a_row || filter_.gate().window() > 1.0) return false;
+    const TargetState<2>& state = filter_.state();
+    const double dt = to_seconds(sighting.t - state.t);
+    const Rigid X_WB(state.X_WB.q() * so3::exp<double>(dt * state.velocity.w_WB_B),
+                     state.X_WB.p() + dt * state.velocity.v_WB);
+    const auto beacon = nearest_beacon(*rig_, *beacons_, X_WB, sighting.camera, sighting.uv, renaming_.nearest);
+    if (!beacon || *beacon == sighting.beacon || update(sighting, *beacon) != UpdateStatus::updated) return false;
+    ++renamed_in_a_row_;
+    return true;
   }
 
   bool search(HostTime t) {
@@ -137,6 +179,7 @@ class SearchingTracker : public HiBallTracker {
     start.P.diagonal().segment<3>(6).setConstant(again_.velocity * again_.velocity);
     start.P.diagonal().segment<3>(9).setConstant(again_.angular_velocity * again_.angular_velocity);
     filter_.restart(start);
+    renamed_in_a_row_ = 0;
     tracking_ = true;
     return true;
   }
@@ -145,8 +188,10 @@ class SearchingTracker : public HiBallTracker {
   DeviceTable<3>* beacons_;
   Filter filter_;
   ReacquisitionSettings again_;
+  RenamingSettings renaming_;
   bool tracking_;
-  bool turned_away_ = false;
+  bool turned_away_ = false, renamed_ = false;
+  int renamed_in_a_row_ = 0;
   int searches_ = 0;
   std::optional<double> nis_;
   std::vector<BeaconSighting> recent_;

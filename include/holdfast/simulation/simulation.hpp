@@ -10,5 +10,6 @@
 #include <holdfast/simulation/inertial_faults.hpp>
 #include <holdfast/simulation/inertial_sensor.hpp>
 #include <holdfast/simulation/keyed_numbers.hpp>
+#include <holdfast/simulation/nearest_beacon.hpp>
 #include <holdfast/simulation/sighting_stream.hpp>
 #include <holdfast/simulation/time_span.hpp>

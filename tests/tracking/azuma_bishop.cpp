@@ -105,7 +105,7 @@ TEST_CASE("001 eq. 2: number by number is the same as the matrix formula, with a
         w_m - filter.w_WB_B();
     const Ekf before = filter;
     const double nan = std::numeric_limits<double>::quiet_NaN();
-    filter.measurement_update(q_m, gyros ? w_m : Vector3(nan, nan, nan));
+    CHECK(filter.measurement_update(q_m, gyros ? w_m : Vector3(nan, nan, nan)));
     // The same without an inverse: P_after (I + H^T R^-1 H P) = P,  K = P_after H^T R^-1.
     const Ekf::Covariance information = H.transpose().lazyProduct(weighted), P = before.P(), P_after = filter.P();
     const Ekf::Covariance remaining = Ekf::Covariance::Identity() + information.lazyProduct(P);

@@ -14,6 +14,7 @@
 #include <holdfast/registration/overshoot.hpp>
 #include <holdfast/registration/picture_centroid.hpp>
 #include <holdfast/registration/pipeline_pose.hpp>
+#include <holdfast/registration/prediction_experiment.hpp>
 #include <holdfast/registration/projected_ellipse.hpp>
 #include <holdfast/registration/range_recording.hpp>
 #include <holdfast/registration/scan_skew.hpp>

@@ -8,7 +8,8 @@
 /// an inverse. That also gives the filter without inertial sensors, which takes the first four alone, and one that goes on
 /// without a gyro that failed: a rate that is not a number is left out.
 /// Departures, which 001 does not speak of: the measured quaternion takes the sign of Q; a Runge-Kutta step is at most
-/// longest_step; after a longer gap than longest_gap the filter starts anew; P rises by `rounding_floor` in each update.
+/// longest_step; the filter starts anew after a longer gap than longest_gap, and when a correction makes Q half or twice as
+/// long: the linear h then no longer holds. P rises by `rounding_floor` in each update.
 /// 001's noise was tuned for small prediction errors, not to say how large they are: do not take P for more.
 /// Units: rad/s, rad/s^2; E's are per second. Nothing here allocates, locks or throws.
 /// Bad input: a quaternion that is not finite or not near unit length, or a time not after the last, is refused.
@@ -83,8 +84,8 @@ class AzumaBishopOrientation {
     }
   }
 
-  /// (2) alone, with a unit quaternion; of the rate what is a number.
-  void measurement_update(const Quaternion& measured, const Vector3& rate) {
+  /// (2) alone, with a unit quaternion; of the rate what is a number. False when the correction is no small one any more.
+  [[nodiscard]] bool measurement_update(const Quaternion& measured, const Vector3& rate) {
     Vector4 Q_m(measured.w(), measured.x(), measured.y(), measured.z());
     const Vector4 Q = X_.head<4>();
     if (Q_m.dot(Q) < 0.0) Q_m = -Q_m;
@@ -102,8 +103,11 @@ class AzumaBishopOrientation {
       if (std::isfinite(rate_innovation[i])) take(State::Unit(4 + i), rate_innovation[i], noise_.rate, d);
     }
     X_ += d;
+    const double n2 = X_.head<4>().squaredNorm();
+    if (!(n2 > 0.25 && n2 < 4.0) || !X_.allFinite() || !P_.allFinite()) return false;
     X_.head<4>().normalize();
     P_.diagonal() += rounding_floor * variance;
+    return true;
   }
 
   [[nodiscard]] bool is_started() const { return started_; }
@@ -174,7 +178,10 @@ class AzumaBishopOrientation {
     }
     time_update(to_seconds(t - t_));
     t_ = t;
-    measurement_update(measured.normalized(), rate);
+    if (!measurement_update(measured.normalized(), rate)) {
+      start(t, measured.normalized());
+      return AzumaBishopStatus::started;
+    }
     return has_gyros && !rate.allFinite() ? AzumaBishopStatus::updated_in_part : AzumaBishopStatus::updated;
   }
 

@@ -5,6 +5,7 @@
 #include <holdfast/prediction/error_statistics.hpp>
 #include <holdfast/prediction/evaluation.hpp>
 #include <holdfast/prediction/jitter.hpp>
+#include <holdfast/prediction/prediction_distance.hpp>
 #include <holdfast/prediction/predictor.hpp>
 #include <holdfast/prediction/predictor_theory.hpp>
 #include <holdfast/prediction/state_prediction.hpp>

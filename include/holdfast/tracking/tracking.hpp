@@ -20,9 +20,15 @@
 #include <holdfast/tracking/device_estimate.hpp>
 #include <holdfast/tracking/device_table.hpp>
 #include <holdfast/tracking/dipole_field.hpp>
+#include <holdfast/tracking/fading_polynomial.hpp>
 #include <holdfast/tracking/head_dynamics.hpp>
+#include <holdfast/tracking/inertial_buffer.hpp>
+#include <holdfast/tracking/inertial_filter.hpp>
+#include <holdfast/tracking/inertial_health.hpp>
+#include <holdfast/tracking/inertial_history.hpp>
 #include <holdfast/tracking/inertial_measurement.hpp>
 #include <holdfast/tracking/inertial_reading.hpp>
+#include <holdfast/tracking/inertial_state.hpp>
 #include <holdfast/tracking/innovation.hpp>
 #include <holdfast/tracking/innovation_gate.hpp>
 #include <holdfast/tracking/joint_angles.hpp>

@@ -1,0 +1,163 @@
+/// Learns, from poses as they come, how to weigh what inertial readings tell of the future (motion_trend.hpp), and how far
+/// that is off: for each of a few horizons by itself.
+///
+/// Every pose ends predictions that could have been made before it: the trends remembered from 10, 20, 40, 60, 100 and 200 ms
+/// ago are examples for the weights of these horizons (fading_least_squares.hpp), and what was predicted then errs by what
+/// the covariance is made of (error_spread.hpp). Nothing is learnt from a pose before it is there. Between the horizons
+/// weights are interpolated, and covariances over the horizon's cube, between which they grow.
+/// Units: s, rad, m. Hot path: nothing here allocates.
+/// Bad input: precondition finite trends and poses. An example of a horizon that is not met within 8 ms (or 15 %) is left out.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <holdfast/prediction/error_spread.hpp>
+#include <holdfast/prediction/motion_trend.hpp>
+
+namespace holdfast {
+
+struct HorizonWeights {
+  MotionTrend::TurnWeights turn = usual_turn_weights();
+  MotionTrend::MoveWeights move = usual_move_weights();
+  Matrix3 turn_covariance = Matrix3::Zero();  ///< B, rad^2
+  Matrix3 move_covariance = Matrix3::Zero();  ///< W, m^2
+};
+
+struct HorizonLearnerSettings {
+  double memory_s = 2.0;         ///< of the weights
+  double spread_memory_s = 1.0;  ///< of the covariance
+  double ridge = 1e-4;
+  // Movements below which the usual weights hold.
+  double rate = 0.01, angular_acceleration = 0.1, speed = 0.002, acceleration = 0.02, jerk = 0.3;
+};
+
+class HorizonLearner {
+ public:
+  static constexpr std::array horizons{0.01, 0.02, 0.04, 0.06, 0.1, 0.2};
+
+  explicit HorizonLearner(const HorizonLearnerSettings& settings = {}) : settings_(settings) {
+    for (std::size_t k = 0; k < horizons.size(); ++k) {
+      const double h = horizons[k];
+      learners_.push_back({{}, {}, ErrorSpread(1e-3 + 5.0 * h * h), ErrorSpread(1e-3 + 1.0 * h * h)});
+      publish(k, h);
+    }
+  }
+
+  /// Call it with each measured pose, before what it tells goes into the trends.
+  void learn(const TimedPose& pose) {
+    const double since = learnt_ ? std::max(0.0, to_seconds(pose.t - learnt_until_)) : 0.0;
+    learnt_ = true;
+    learnt_until_ = pose.t;
+    for (std::size_t k = 0; k < horizons.size(); ++k) {
+      if (const Moment* moment = nearest(pose.t, horizons[k])) learn(k, *moment, pose, since);
+    }
+  }
+
+  /// Something that might have been predicted from; they come in the order of time.
+  void remember(const MotionTrend& trend) {
+    Moment& next = moments_[(first_ + count_) % moments_.size()];
+    next.trend = trend;
+    next.weights = weights_;
+    if (count_ < moments_.size()) {
+      ++count_;
+    } else {
+      first_ = (first_ + 1) % moments_.size();
+    }
+  }
+  void forget_moments() { count_ = 0; }
+
+  /// For h seconds after the newest reading. Beyond the last horizon the covariance grows with the cube of the time.
+  [[nodiscard]] HorizonWeights at(double h) const {
+    if (h <= horizons.front()) return weights_.front();
+    if (h >= horizons.back()) {
+      HorizonWeights last = weights_.back();
+      const double growth = cube(h / horizons.back());
+      last.turn_covariance *= growth;
+      last.move_covariance *= growth;
+      return last;
+    }
+    std::size_t k = 1;
+    while (h > horizons[k]) ++k;
+    const double part = (h - horizons[k - 1]) / (horizons[k] - horizons[k - 1]);
+    const HorizonWeights &a = weights_[k - 1], &b = weights_[k];
+    const double of_a = (1.0 - part) * cube(h / horizons[k - 1]), of_b = part * cube(h / horizons[k]);
+    return {(1.0 - part) * a.turn + part * b.turn, (1.0 - part) * a.move + part * b.move,
+            of_a * a.turn_covariance + of_b * b.turn_covariance, of_a * a.move_covariance + of_b * b.move_covariance};
+  }
+
+ private:
+  static constexpr double nearest_s = 0.008;
+  [[nodiscard]] static double cube(double x) { return x * x * x; }
+
+  using AllWeights = std::array<HorizonWeights, horizons.size()>;
+  struct Moment {
+    MotionTrend trend;
+    AllWeights weights;
+  };
+  struct Learner {
+    FadingLeastSquares<MotionTrend::turns> turn;
+    FadingLeastSquares<MotionTrend::moves> move;
+    ErrorSpread turn_spread, move_spread;
+  };
+
+  [[nodiscard]] const Moment* nearest(HostTime t, double horizon) const {
+    const Moment* best = nullptr;
+    double best_miss = std::max(nearest_s, 0.15 * horizon);
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Moment& moment = moments_[(first_ + i) % moments_.size()];
+      const double miss = std::abs(to_seconds(t - moment.trend.t) + moment.trend.gap - horizon);
+      if (miss >= best_miss) continue;
+      best_miss = miss;
+      best = &moment;
+    }
+    return best;
+  }
+
+  void learn(std::size_t k, const Moment& then, const TimedPose& pose, double since) {
+    Learner& learner = learners_[k];
+    const double h = to_seconds(pose.t - then.trend.t);
+    const MotionTrend& trend = then.trend;
+    const auto turns = trend.turn_over(h);
+    const auto moves = trend.move_over(h);
+    const Vector3 turned = so3::log<double>(trend.X_WS.q().conjugate() * pose.X_WB.q());
+    const Vector3 moved = pose.X_WB.p() + pose.X_WB.q() * trend.lever_B - trend.X_WS.p();
+    // What was said then, scaled to the horizon's own length.
+    const HorizonWeights& said = then.weights[k];
+    const Rigid X = trend.carried(turns * said.turn, moves * said.move);
+    const double scale = horizons[k] / (h + trend.gap);
+    const double fade = std::exp(-since / settings_.spread_memory_s);
+    const Vector3 turn_error = so3::log<double>(X.q().conjugate() * pose.X_WB.q());
+    learner.turn_spread.add(scale * turn_error, said.turn_covariance, fade);
+    learner.move_spread.add(scale * (pose.X_WB.p() - X.p()), said.move_covariance, fade);
+
+    const double weights_fade = std::exp(-since / settings_.memory_s);
+    learner.turn.add(turns, turned, weights_fade);
+    learner.move.add(moves, moved, weights_fade);
+    publish(k, h);
+  }
+
+  void publish(std::size_t k, double h) {
+    const HorizonLearnerSettings& s = settings_;
+    MotionTrend::TurnWeights turn = MotionTrend::TurnWeights::Constant(0.5 * h * h * s.angular_acceleration);
+    turn[0] = h * s.rate;
+    MotionTrend::MoveWeights move = MotionTrend::MoveWeights::Constant(0.5 * h * h * s.acceleration);
+    move[0] = h * s.speed;
+    move[3] = h * h * h / 6.0 * s.jerk;
+    weights_[k] = {learners_[k].turn.solve(usual_turn_weights(), s.ridge, turn),
+                   learners_[k].move.solve(usual_move_weights(), s.ridge, move), learners_[k].turn_spread.covariance(),
+                   learners_[k].move_spread.covariance()};
+  }
+
+  HorizonLearnerSettings settings_;
+  std::vector<Learner> learners_;
+  AllWeights weights_;
+  std::array<Moment, 64> moments_;
+  std::size_t first_ = 0, count_ = 0;
+  bool learnt_ = false;
+  HostTime learnt_until_;
+};
+
+}  // namespace holdfast

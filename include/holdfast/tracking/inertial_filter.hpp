@@ -1,0 +1,261 @@
+/// An inertial pose filter: gyro and accelerometer at their high rate, corrected by whole poses that come slower and late.
+///
+///     InertialFilter filter;
+///     filter.update(reading);          // each InertialReading
+///     filter.update(pose);             // each measured TimedPose, of any time since the one before
+///     filter.now().X_WB();             // with all readings in it
+/// A strapdown integral carries the state, an error-state Kalman filter corrects it (inertial_state.hpp has the 22 numbers).
+/// What the sensors do not tell about themselves is found on line: biases, gravity in whatever direction, the time by
+/// which their stamps lag behind the poses', and where on the body they sit. Integrals, not readings, meet the poses, so
+/// the covariance is carried once for each pose; a late pose only makes the readings after it be integrated again.
+/// The poses' own noise is estimated from what is left over (innovations), starting at `noise`.
+/// Sources: strapdown and error state, Sola 2017 (Quaternion kinematics for the error-state Kalman filter), section 5; time offset
+/// as a state, Li & Mourikis 2014 (Online temporal calibration for camera-IMU systems).
+/// Hot path: nothing here allocates (but the constructor), locks or throws.
+/// Bad input: readings that are not finite or not later than the newest are refused (false); so are poses that are not finite
+/// or not later than the one before. A pose that contradicts the state is rejected; `patience` of them in a row start it anew.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include <holdfast/tracking/advance.hpp>
+#include <holdfast/tracking/fading_polynomial.hpp>
+#include <holdfast/tracking/inertial_state.hpp>
+
+namespace holdfast {
+
+struct InertialFilterSettings {
+  PoseNoise noise{2e-4, 5e-4};       ///< of the measured poses, to begin with
+  double rate_noise = 5e-4;          ///< of the gyro, rad/s / sqrt(Hz)
+  double rate_scale_error = 0.01;    ///< and this part of what it says
+  double force_noise = 0.02;         ///< of the accelerometer, m/s^2 / sqrt(Hz)
+  double no_force_noise = 1.0;       ///< of the body's acceleration, where there is no accelerometer
+  double rate_bias_walk = 2e-5;      ///< rad/s / sqrt(s)
+  double force_bias_walk = 1e-3;     ///< m/s^2 / sqrt(s)
+  double gravity_walk = 1e-3;        ///< m/s^2 / sqrt(s)
+  double time_offset_walk_s = 1e-5;  ///< s / sqrt(s)
+  // Standard deviations at the start.
+  double speed_m_s = 2.0, rate_bias = 0.05, force_bias = 0.2, gravity = 10.0, time_offset_s = 0.01, lever_m = 0.05;
+  Duration longest_gap = std::chrono::milliseconds(500);  ///< between poses; then it starts anew
+  double gate = 60.0;                                     ///< of the normalised innovation squared, 6 numbers
+  int patience = 4;                                       ///< rejected poses in a row
+};
+
+enum class InertialPoseUpdate { started, updated, rejected, refused };
+
+class InertialFilter {
+ public:
+  /// Remembers `capacity` readings: as many as come in the longest delay of a pose and the gap before it.
+  explicit InertialFilter(const InertialFilterSettings& settings = {}, int capacity = 1024)
+      : settings_(settings), history_(capacity) {
+    HOLDFAST_ASSERT(settings.noise.position_m > 0.0 && settings.noise.orientation_rad > 0.0, "a pose without noise");
+    position_variance_ = settings.noise.position_m * settings.noise.position_m;
+    turn_variance_ = settings.noise.orientation_rad * settings.noise.orientation_rad;
+  }
+
+  bool update(InertialReading reading) {
+    if (!reading.rate_B.allFinite()) return false;
+    if (!uses_force_) reading.force_B = -(now_.X_WS.q().conjugate() * now_.gravity_W);
+    if (!reading.force_B.allFinite()) return false;
+    const double since = history_.empty() ? 0.0 : to_seconds(reading.t - history_.newest().t);
+    if (!history_.push(reading)) return false;
+    if (since > longest_step_s) rate_trend_.restart();
+    rate_trend_.update(since, reading.rate_B);
+    if (started_) carry_now();
+    return true;
+  }
+
+  InertialPoseUpdate update(const TimedPose& pose) {
+    if (!pose.X_WB.is_finite() || !(pose.X_WB.p().squaredNorm() < 1e18) || (started_ && pose.t <= state_.t)) {
+      return InertialPoseUpdate::refused;
+    }
+    if (!started_ || pose.t - state_.t > settings_.longest_gap) {
+      start(pose);
+      return InertialPoseUpdate::started;
+    }
+    carry(pose.t);
+    if (!correct(pose)) {
+      if (++rejected_ < settings_.patience) {
+        carry_now_from_state();
+        return InertialPoseUpdate::rejected;
+      }
+      start(pose);
+      return InertialPoseUpdate::started;
+    }
+    rejected_ = 0;
+    carry_now_from_state();
+    return InertialPoseUpdate::updated;
+  }
+
+  /// Begins at this pose without velocity; what was found out about the sensors stays.
+  void start(const TimedPose& pose) {
+    const bool knows_sensors = started_;
+    InertialState begin = knows_sensors ? state_ : InertialState();
+    begin.t = pose.t;
+    begin.X_WS = Rigid(pose.X_WB.q(), pose.X_WB.p() + pose.X_WB.q() * begin.lever_B);
+    begin.v_WS.setZero();
+    if (!knows_sensors && !history_.empty()) begin.gravity_W = -(pose.X_WB.q() * history_.newest().force_B);
+    state_ = begin;
+    const InertialState::Covariance known = P_;
+    P_.setZero();
+    if (knows_sensors) P_.bottomRightCorner<13, 13>() = known.bottomRightCorner<13, 13>();
+    set_deviation(InertialState::place, std::sqrt(position_variance_) + 1e-5);
+    set_deviation(InertialState::turn, std::sqrt(turn_variance_) + 1e-5);
+    set_deviation(InertialState::velocity, settings_.speed_m_s);
+    if (!knows_sensors) {
+      set_deviation(InertialState::rate_bias, settings_.rate_bias);
+      set_deviation(InertialState::force_bias, settings_.force_bias);
+      set_deviation(InertialState::gravity, settings_.gravity);
+      set_deviation(InertialState::lever, settings_.lever_m);
+      P_(InertialState::offset, InertialState::offset) = settings_.time_offset_s * settings_.time_offset_s;
+    }
+    started_ = true;
+    rejected_ = 0;
+    carry_now_from_state();
+  }
+
+  /// Without the accelerometer the velocity stays, more or less.
+  void use_force(bool yes) { uses_force_ = yes; }
+  void forget_readings() {
+    history_.clear();
+    rate_trend_.restart();
+  }
+
+  [[nodiscard]] bool is_started() const { return started_; }
+  /// At the newest pose, with its covariance.
+  [[nodiscard]] const InertialState& state() const { return state_; }
+  [[nodiscard]] const InertialState::Covariance& covariance() const { return P_; }
+  /// With all readings: at the newest reading or the newest pose, whichever is later.
+  [[nodiscard]] const InertialState& now() const { return now_; }
+  [[nodiscard]] Vector3 acceleration_now_W() const { return now_.X_WS.q() * force_now_B_ + now_.gravity_W; }
+  [[nodiscard]] const InertialHistory& history() const { return history_; }
+  [[nodiscard]] Duration time_offset() const { return from_seconds(state_.time_offset_s); }
+  /// What the poses' noise was found to be.
+  [[nodiscard]] PoseNoise pose_noise() const { return {std::sqrt(position_variance_), std::sqrt(turn_variance_)}; }
+
+ private:
+  static constexpr double longest_step_s = 0.05, largest_offset_s = 0.1;
+
+  void set_deviation(int begin, double deviation) {
+    P_.diagonal().segment<3>(begin).setConstant(deviation * deviation);
+  }
+  [[nodiscard]] StrapdownIncrement felt(HostTime from, HostTime to) const {
+    return history_.integrate(from + time_offset(), to + time_offset(), state_.bias, rate_trend_.rate());
+  }
+  void carry_now() {
+    const HostTime t = history_.newest().t - time_offset();
+    if (t <= now_.t) return;
+    const StrapdownIncrement step = felt(now_.t, t);
+    now_.move(step);
+    now_.t = t;
+    force_now_B_ = step.force_end_B;
+  }
+  void carry_now_from_state() {
+    now_ = state_;
+    force_now_B_ = felt(now_.t, now_.t).force_end_B;
+    if (!history_.empty()) carry_now();
+  }
+
+  void carry(HostTime t) {
+    using S = InertialState;
+    const StrapdownIncrement step = felt(state_.t, t);
+    const double dt = step.seconds;
+    const Matrix3 R = state_.X_WS.R(), turned = step.q.toRotationMatrix();
+    S::Covariance F = S::Covariance::Identity();
+    F.block<3, 3>(S::place, S::turn) = -R * so3::hat<double>(step.position_B);
+    F.block<3, 3>(S::place, S::velocity).diagonal().setConstant(dt);
+    F.block<3, 3>(S::place, S::force_bias) = -0.5 * dt * dt * R;
+    F.block<3, 3>(S::place, S::gravity).diagonal().setConstant(0.5 * dt * dt);
+    F.block<3, 3>(S::turn, S::turn) = turned.transpose();
+    F.block<3, 3>(S::turn, S::rate_bias) = -0.5 * dt * (Matrix3::Identity() + turned.transpose());
+    F.block<3, 1>(S::turn, S::offset) = step.rate_end_B - turned.transpose() * step.rate_begin_B;
+    F.block<3, 3>(S::velocity, S::turn) = -R * so3::hat<double>(step.velocity_B);
+    F.block<3, 3>(S::velocity, S::force_bias) = -dt * R;
+    F.block<3, 3>(S::velocity, S::gravity).diagonal().setConstant(dt);
+    F.block<3, 1>(S::velocity, S::offset) = R * (turned * step.force_end_B - step.force_begin_B);
+    S::Covariance FP;
+    FP.noalias() = F.lazyProduct(P_);
+    P_.noalias() = FP.lazyProduct(F.transpose());
+    add_process_noise(dt, std::max(step.rate_begin_B.squaredNorm(), step.rate_end_B.squaredNorm()));
+    state_.move(step);
+    state_.t = t;
+  }
+
+  /// A scale that is off acts for as long as a head turns one way: some 0.05 s.
+  void add_process_noise(double dt, double rate_squared) {
+    using S = InertialState;
+    const auto square = [](double x) { return x * x; };
+    const double turn = square(settings_.rate_noise) + 0.05 * square(settings_.rate_scale_error) * rate_squared;
+    const double force = square(uses_force_ ? settings_.force_noise : settings_.no_force_noise);
+    for (int i = 0; i < 3; ++i) {
+      P_(S::turn + i, S::turn + i) += turn * dt;
+      P_(S::place + i, S::place + i) += force * dt * dt * dt / 3.0;
+      P_(S::place + i, S::velocity + i) += force * dt * dt / 2.0;
+      P_(S::velocity + i, S::place + i) += force * dt * dt / 2.0;
+      P_(S::velocity + i, S::velocity + i) += force * dt;
+      P_(S::rate_bias + i, S::rate_bias + i) += square(settings_.rate_bias_walk) * dt;
+      P_(S::force_bias + i, S::force_bias + i) += square(settings_.force_bias_walk) * dt;
+      P_(S::gravity + i, S::gravity + i) += square(settings_.gravity_walk) * dt;
+    }
+    P_(S::offset, S::offset) += square(settings_.time_offset_walk_s) * dt;
+  }
+
+  /// False when the pose contradicts the state, which then stays.
+  [[nodiscard]] bool correct(const TimedPose& pose) {
+    using S = InertialState;
+    const Matrix3 R = state_.X_WS.R();
+    const Rigid X_WB = state_.X_WB();
+    Vector6 residual;
+    residual << pose.X_WB.p() - X_WB.p(), so3::log<double>(X_WB.q().conjugate() * pose.X_WB.q());
+    MatrixOf<double, S::size, 6> PH = P_.leftCols<6>();  // P H^T, H = (1, R [l], 0, ..., -R; 0, 1, 0, ...)
+    PH.leftCols<3>() += P_.middleCols<3>(S::turn) * (R * so3::hat<double>(state_.lever_B)).transpose();
+    PH.leftCols<3>() -= P_.middleCols<3>(S::lever) * R.transpose();
+    Matrix6 innovation = PH.topRows<6>();
+    innovation.topRows<3>() += R * so3::hat<double>(state_.lever_B) * PH.middleRows<3>(S::turn);
+    innovation.topRows<3>() -= R * PH.middleRows<3>(S::lever);
+    adapt_noise(residual, innovation);
+    innovation.diagonal().head<3>().array() += position_variance_;
+    innovation.diagonal().tail<3>().array() += turn_variance_;
+    const Eigen::LLT<Matrix6> cholesky(innovation);
+    if (cholesky.info() != Eigen::Success) return false;
+    const Vector6 weighted = cholesky.solve(residual);
+    if (!(residual.dot(weighted) < settings_.gate)) return false;
+    const MatrixOf<double, 6, S::size> gain = cholesky.solve(PH.transpose());  // transposed
+    S::Error d = PH * weighted;
+    d[S::offset] =
+        std::clamp(d[S::offset], -largest_offset_s - state_.time_offset_s, largest_offset_s - state_.time_offset_s);
+    S::Covariance corrected = P_;
+    corrected.noalias() -= PH.lazyProduct(gain);
+    P_ = 0.5 * (corrected + corrected.transpose());
+    P_.diagonal() *= 1.0 + rounding_floor;
+    state_.add(d);
+    return true;
+  }
+
+  /// What the state's covariance does not explain of the residual is the pose's noise; the last hundred poses count.
+  void adapt_noise(const Vector6& residual, const Matrix6& explained) {
+    constexpr double gain = 0.01, smallest_m2 = 1e-10, smallest_rad2 = 1e-10;
+    const auto adapt = [](double& variance, double square, double known, double smallest) {
+      const double excess = std::min(square, 25.0 * (known + variance)) - known;
+      variance += gain * (std::max(excess, smallest) - variance);
+    };
+    adapt(position_variance_, residual.head<3>().squaredNorm() / 3.0, explained.diagonal().head<3>().mean(),
+          smallest_m2);
+    adapt(turn_variance_, residual.tail<3>().squaredNorm() / 3.0, explained.diagonal().tail<3>().mean(), smallest_rad2);
+  }
+
+  InertialFilterSettings settings_;
+  InertialHistory history_;
+  FadingPolynomial rate_trend_{0.012};
+  InertialState state_, now_;
+  InertialState::Covariance P_ = InertialState::Covariance::Zero();
+  Vector3 force_now_B_ = Vector3::Zero();
+  double position_variance_ = 0.0, turn_variance_ = 0.0;
+  bool started_ = false, uses_force_ = true;
+  int rejected_ = 0;
+};
+
+}  // namespace holdfast

@@ -22,7 +22,6 @@
 #include <holdfast/tracking/dipole_field.hpp>
 #include <holdfast/tracking/fading_polynomial.hpp>
 #include <holdfast/tracking/head_dynamics.hpp>
-#include <holdfast/tracking/inertial_buffer.hpp>
 #include <holdfast/tracking/inertial_filter.hpp>
 #include <holdfast/tracking/inertial_health.hpp>
 #include <holdfast/tracking/inertial_history.hpp>

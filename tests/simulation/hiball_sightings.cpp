@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include <holdfast/simulation/ceiling_motion.hpp>
+#include <holdfast/simulation/nearest_beacon.hpp>
 #include <holdfast/simulation/sighting_stream.hpp>
 #include <holdfast/tracking/camera_sighting.hpp>
 
@@ -109,6 +110,40 @@ TEST_CASE("visible: a HiBall on its head, above the ceiling or outside sees noth
     }
   }
   CHECK_FALSE(simulator.sight(time_at(0.0), Rigid(upside_down, Vector3(2.74, 4.27, 1.5)), 0, 100));
+}
+
+TEST_CASE("nearest beacon: each image tells its own beacon; what lies between two, or where none hangs, tells none") {
+  std::mt19937_64 random(3);
+  const SplineTrajectory still = still_below_a_beacon(1s);
+  const HiBallSimulator simulator(rig_with(true), still);
+  const HiBallRig& rig = simulator.rig();
+  DeviceTable<3> beacons;
+  for (const Vector3& beacon_W : rig.nominal_beacons_W) beacons.add(beacon_W);
+  std::vector<int> seen;
+  int told = 0, between = 0;
+  for (int trial = 0; trial < 20; ++trial) {
+    const Rigid X_WB =
+        still.at(still.begin()).X_WB * Rigid(so3::exp<double>(random_vector(random, 0.2)), random_vector(random, 0.2));
+    // As well known as by a tracker that has just lost a few sightings.
+    const Rigid estimate = X_WB * Rigid(so3::exp<double>(random_vector(random, 0.001)), random_vector(random, 0.001));
+    for (int camera = 0; camera < 26; ++camera) {
+      simulator.visible(X_WB, camera, seen);
+      for (std::size_t k = 0; k < seen.size(); ++k) {
+        const Vector2 uv = *simulator.image(X_WB, camera, seen[k]);
+        CHECK(nearest_beacon(rig, beacons, estimate, camera, uv) == seen[k]);
+        ++told;
+        const bool side_by_side = k > 0 && seen[k] == seen[k - 1] + 1 && seen[k] % CeilingLayout::leds_along != 0;
+        if (!side_by_side) continue;
+        const Vector2 middle = 0.5 * (uv + *simulator.image(X_WB, camera, seen[k - 1]));
+        CHECK_FALSE(nearest_beacon(rig, beacons, estimate, camera, middle));
+        ++between;
+      }
+    }
+  }
+  CHECK(told > 300);
+  CHECK(between > 100);
+  const Rigid on_its_head(Quaternion(0.0, 1.0, 0.0, 0.0), Vector3(2.74, 4.27, 1.6));
+  CHECK_FALSE(nearest_beacon(rig, beacons, on_its_head, 0, Vector2::Zero()));
 }
 
 TEST_CASE("sighting: straight below a beacon its noise is eq. 6.4's without angle, and the model of tracking fits it") {

@@ -25,7 +25,7 @@
 #include <span>
 #include <vector>
 
-#include <holdfast/registration/three_point_error.hpp>
+#include <holdfast/registration/informed_order.hpp>
 #include <holdfast/registration/track_methods.hpp>
 #include <holdfast/simulation/hiball_trackers.hpp>
 #include <holdfast/tracking/consistency.hpp>
@@ -137,17 +137,22 @@ struct StartKnowledge {
   return std::make_unique<McaatTracker>(rig, beacons, start, parameters.process, parameters.window);
 }
 
+/// Where sightings come from, one after another; nothing at the end. It may ask the tracker what it wants to see.
+using SightingSource = std::function<std::optional<BeaconSighting>(HiBallTracker&)>;
+
 /// Gives a tracker the sightings, and judges it.
-inline TrackRow run_tracker(HiBallTracker& tracker, std::span<const BeaconSighting> stream, const Motion& truth,
+inline TrackRow run_tracker(HiBallTracker& tracker, const SightingSource& source, const Motion& truth,
                             const TrackObserver& observe = {}) {
   using Clock = std::chrono::steady_clock;
   TrackRow row;
   Clock::duration spent{};
   ConsistencyMean nees_mean(12), nis_mean(2);
-  for (const BeaconSighting& sighting : stream) {
+  while (const std::optional<BeaconSighting> next = source(tracker)) {
+    const BeaconSighting& sighting = *next;
     const Clock::time_point begin = Clock::now();
     const bool fresh = tracker.add(sighting);
     spent += Clock::now() - begin;
+    ++row.sightings;
     row.gated += tracker.turned_away();
     row.renamed += tracker.renamed();
     nis_mean.add(tracker.nis());
@@ -164,7 +169,6 @@ inline TrackRow run_tracker(HiBallTracker& tracker, std::span<const BeaconSighti
     if (observe) observe({sighting, tracker, X_WB, fresh});
   }
   tracker.settle();
-  row.sightings = static_cast<long>(stream.size());
   if (row.updates > 0) {
     row.microseconds_per_update =
         std::chrono::duration<double, std::micro>(spent).count() / static_cast<double>(row.updates);
@@ -172,6 +176,15 @@ inline TrackRow run_tracker(HiBallTracker& tracker, std::span<const BeaconSighti
   row.nees = nees_mean.mean() / nees_mean.expected();
   row.nis = nis_mean.mean() / nis_mean.expected();
   return row;
+}
+
+inline TrackRow run_tracker(HiBallTracker& tracker, std::span<const BeaconSighting> stream, const Motion& truth,
+                            const TrackObserver& observe = {}) {
+  std::size_t next = 0;
+  const SightingSource source = [&](HiBallTracker& /*tracker*/) {
+    return next < stream.size() ? std::optional(stream[next++]) : std::nullopt;
+  };
+  return run_tracker(tracker, source, truth, observe);
 }
 
 /// One method over a stream. `beacons` goes in as `beacon_table` makes it, or, for the second run, as the first left it.
@@ -197,6 +210,29 @@ inline TrackRow run_tracker(HiBallTracker& tracker, std::span<const BeaconSighti
   DeviceTable<3> beacons = beacon_table(rig, parameters.beacons, parameters.autocalibrate);
   if (is_second_run(method)) (void)run_method(method, parameters, rig, truth, stream, beacons, {}, known);
   return run_method(method, parameters, rig, truth, stream, beacons, observe, known);
+}
+
+/// One method on the sightings that it asks for itself (informed_order.hpp), 1000 a second unless told otherwise.
+[[nodiscard]] inline TrackRow run_informed(TrackMethod method, const TrackParameters& parameters,
+                                           const HiBallSimulator& simulator, const TrackObserver& observe = {},
+                                           const StartKnowledge& known = {},
+                                           Duration interval = std::chrono::milliseconds(1)) {
+  const Motion& truth = simulator.truth();
+  DeviceTable<3> beacons = beacon_table(simulator.rig(), parameters.beacons, parameters.autocalibrate);
+  const auto tracker =
+      make_tracker(method, parameters, simulator.rig(), beacons, starting_state(truth, truth.begin(), known));
+  InformedOrder order(simulator);
+  HostTime t = truth.begin();
+  const SightingSource source = [&](HiBallTracker& asked) {
+    std::optional<BeaconSighting> sighting;
+    for (; !sighting && t <= truth.end(); t += interval) sighting = order.next(t, asked);
+    return sighting;
+  };
+  TrackRow row = run_tracker(*tracker, source, truth, observe);
+  row.method = method;
+  row.accepted = row.updates;
+  if (parameters.autocalibrate) row.beacons = beacon_errors(simulator.rig(), beacons);
+  return row;
 }
 
 }  // namespace holdfast

@@ -79,7 +79,7 @@ struct TrackParameters {
   bool autocalibrate = false;
   WindowShape window{1, false};
   GateSettings gate;
-  int renamed_in_a_row = 8;  ///< RenamingSettings (simulation/hiball_trackers.hpp)
+  int renamed_in_a_row = 12;  ///< RenamingSettings (simulation/hiball_trackers.hpp)
 };
 
 /// 002 table 6.8's lateral intensity for all directions, and its least one for turns.

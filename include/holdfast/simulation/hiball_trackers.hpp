@@ -6,8 +6,9 @@
 /// `ReacquisitionSettings::longest_gap` without sightings, it collects the newest sightings, searches the pose that most
 /// of them agree with (acquisition.hpp), and starts from there.
 /// And they find the right name of a sighting that their gate turned away: that of the beacon whose image is there
-/// (nearest_beacon.hpp), when the gate accepts it as such. At most `RenamingSettings::in_a_row` sightings in a row, and only
-/// while the gate has not widened: a filter that is off by a whole period of the ceiling would find a name for everything.
+/// (nearest_beacon.hpp), when the gate accepts it as such. But a filter that is off by a period of the ceiling would find a
+/// name for everything. So after `RenamingSettings::in_a_row` of them, with none that was named rightly between, it is the
+/// pose that is searched for; and once the gate widens nothing is renamed.
 /// Bad input: preconditions are that cameras and beacons exist (assert). Sightings back in time are ignored.
 #pragma once
 
@@ -23,6 +24,7 @@
 #include <holdfast/tracking/collinearity.hpp>
 #include <holdfast/tracking/joint_filter.hpp>
 #include <holdfast/tracking/mcaat_filter.hpp>
+#include <holdfast/tracking/measurement_ordering.hpp>
 #include <holdfast/tracking/scaat_filter.hpp>
 
 namespace holdfast {
@@ -57,6 +59,12 @@ class HiBallTracker {
   [[nodiscard]] virtual bool turned_away() const { return false; }
   /// Whether it counted under another name then.
   [[nodiscard]] virtual bool renamed() const { return false; }
+  /// How much of the weighted mean square of the pose's error such a sighting would take away (measurement_ordering.hpp);
+  /// nothing from trackers that do not tell, and while there is no pose. What was seen does not matter.
+  [[nodiscard]] virtual std::optional<double> expected_reduction(const BeaconSighting& /*sighting*/,
+                                                                 const Matrix6& /*weight*/) {
+    return std::nullopt;
+  }
   /// Writes to the table of beacons what has been learnt and is not there yet.
   virtual void settle() {}
 };
@@ -70,8 +78,8 @@ struct ReacquisitionSettings {
 };
 
 struct RenamingSettings {
-  int in_a_row = 8;  ///< 0: a sighting's name is never doubted
-  NearestBeaconSettings nearest;
+  int in_a_row = 12;  ///< 0: a sighting's name is never doubted
+  NearestBeaconSettings nearest{};
 };
 
 /// Of one sighting at a time, by a filter that has ScaatFilter's face.
@@ -119,6 +127,14 @@ class SearchingTracker : public HiBallTracker {
   [[nodiscard]] std::optional<double> nis() const override { return nis_; }
   [[nodiscard]] bool turned_away() const override { return turned_away_; }
   [[nodiscard]] bool renamed() const override { return renamed_; }
+  [[nodiscard]] std::optional<double> expected_reduction(const BeaconSighting& sighting,
+                                                         const Matrix6& weight) override {
+    if (!tracking_) return std::nullopt;
+    const auto expected =
+        filter_.expectation(sighting.t, camera_sighting(*rig_, sighting), {*beacons_, sighting.beacon});
+    if (!expected) return std::nullopt;
+    return holdfast::expected_reduction(*expected, weight);
+  }
   void settle() override {
     if constexpr (requires { filter_.settle(); }) filter_.settle();
   }
@@ -141,14 +157,14 @@ class SearchingTracker : public HiBallTracker {
 
   /// Of a sighting that was gated: whether it is an update under another name.
   bool counts_renamed(const BeaconSighting& sighting) {
-    if (renamed_in_a_row_ >= renaming_.in_a_row || filter_.gate().window() > 1.0) return false;
+    if (renaming_.in_a_row == 0 || filter_.gate().window() > 1.0) return false;
     const TargetState<2>& state = filter_.state();
     const double dt = to_seconds(sighting.t - state.t);
     const Rigid X_WB(state.X_WB.q() * so3::exp<double>(dt * state.velocity.w_WB_B),
                      state.X_WB.p() + dt * state.velocity.v_WB);
     const auto beacon = nearest_beacon(*rig_, *beacons_, X_WB, sighting.camera, sighting.uv, renaming_.nearest);
     if (!beacon || *beacon == sighting.beacon || update(sighting, *beacon) != UpdateStatus::updated) return false;
-    ++renamed_in_a_row_;
+    if (++renamed_in_a_row_ == renaming_.in_a_row) tracking_ = false;
     return true;
   }
 

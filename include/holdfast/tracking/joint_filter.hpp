@@ -66,6 +66,22 @@ class JointFilter : public MeasurementIntake<JointFilter<Order, Size, Devices, C
   [[nodiscard]] const ModelSet<Order, Count>& models() const { return set_; }
   /// One model's target and devices.
   [[nodiscard]] const Joint& joint_of(std::size_t model) const { return states_[current_][model]; }
+  /// A measurement against what would be expected at its time, as ScaatFilter answers it; of several models, by the
+  /// likeliest.
+  template <Measurement M>
+  [[nodiscard]] std::optional<Innovation<Order, M>> expectation(
+      HostTime t, const M& measurement, std::type_identity_t<DeviceSlot<M::source_size>> source) const {
+    static_assert(M::sensor_size == 0 && M::state_size <= 6);
+    if (this->refusal(combined_.t, t, source, DeviceSlot<0>())) return std::nullopt;
+    const std::size_t model = detail::heaviest(probabilities());
+    Joint next;
+    if (!detail::advance_lower(joint_of(model), set_.models[model], t, next)) return std::nullopt;
+    const Seat seat = seat_for(source);
+    DeviceEstimate<M::source_size> estimate = source.load();
+    prepare(seat, source, next, estimate);
+    return joint_innovation(next, measurement, seat.slot, estimate);
+  }
+
   /// Where a table's device is; nothing when it is in no slot.
   [[nodiscard]] std::optional<int> slot_of(const DeviceTable<Size>& table, int index) const {
     for (int slot = 0; slot < Devices; ++slot) {

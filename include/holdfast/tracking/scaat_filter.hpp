@@ -275,6 +275,19 @@ class ScaatFilter : public MeasurementIntake<ScaatFilter<Order, Innovate>> {
   /// What leaves the tracker, at the time of the last measurement that counted.
   [[nodiscard]] PoseEstimate pose_estimate() const { return holdfast::pose_estimate(state()); }
 
+  /// A measurement against what would be expected at its time: what it would teach (measurement_ordering.hpp). Nothing
+  /// changes. Nothing when an update would refuse it, but for the gate.
+  template <Measurement M>
+  requires(std::is_same_v<Innovate, ExtendedInnovation>) [[nodiscard]] std::optional<Innovation<Order, M>> expectation(
+      HostTime t, const M& measurement, std::type_identity_t<DeviceSlot<M::source_size>> source) const {
+    static_assert(M::sensor_size == 0 && M::state_size <= 6);
+    State next;
+    if (this->refusal(state().t, t, source, DeviceSlot<0>()) || !detail::advance_lower(state(), model_, t, next)) {
+      return std::nullopt;
+    }
+    return innovate_(next, measurement, source.load(), {});
+  }
+
   [[nodiscard]] const ProcessModel<Order>& model() const { return model_; }
   void set_model(const ProcessModel<Order>& model) { model_ = model; }
 

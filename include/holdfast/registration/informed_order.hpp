@@ -1,0 +1,73 @@
+/// A HiBall's sightings in the order that its tracker asks for: each time the one that tells most about the direction in which
+/// the pose is known least (002 sections 4.6 and 7.5), beside the blind orders of simulation/sighting_stream.hpp.
+///
+/// Of each camera the beacon that was used longest ago is a candidate, but not of those that looked last
+/// (measurement_ordering.hpp says why); the tracker tells what each would take from the error of the three points of
+/// three_point_error.hpp along their weakest direction. When it cannot tell, the camera that looked longest ago comes next.
+/// As with the blind orders the choice is among what is truly visible.
+/// Bad input: `resting_cameras` below 0 is none.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <holdfast/registration/three_point_error.hpp>
+#include <holdfast/simulation/hiball_trackers.hpp>
+
+namespace holdfast {
+
+class InformedOrder {
+ public:
+  /// The simulator must outlive it. `resting_cameras`: those that looked last and are left out.
+  InformedOrder(const HiBallSimulator& simulator, int resting_cameras)
+      : simulator_(&simulator), resting_cameras_(resting_cameras) {
+    last_look_.assign(simulator.rig().cameras.size(), -1 - resting_cameras);
+    last_use_.assign(simulator.rig().beacons_W.size(), -1);
+  }
+  /// Half of the cameras rest.
+  explicit InformedOrder(const HiBallSimulator& simulator)
+      : InformedOrder(simulator, static_cast<int>(simulator.rig().cameras.size()) / 2) {}
+
+  /// The next sighting, at time t; nothing when no camera sees anything.
+  [[nodiscard]] std::optional<BeaconSighting> next(HostTime t, HiBallTracker& tracker) {
+    const Rigid X_WB = simulator_->pose_at(t);
+    const std::optional<Matrix6> weight = weakest(tracker);
+    std::optional<BeaconSighting> best;
+    double most = -1.0;
+    for (const bool all : {false, true}) {  // where only those see anything that should rest, one of them looks
+      for (int camera = 0; camera < static_cast<int>(last_look_.size()) && (!all || !best); ++camera) {
+        if (!all && looks_ - last_look(camera) <= resting_cameras_) continue;
+        simulator_->visible(X_WB, camera, visible_);
+        if (visible_.empty()) continue;
+        const int beacon = *std::ranges::min_element(visible_, {}, [&](int b) { return last_use(b); });
+        const BeaconSighting sighting = *simulator_->sight(t, X_WB, camera, beacon);
+        const double reduction = weight ? tracker.expected_reduction(sighting, *weight).value_or(0.0) : 0.0;
+        if (reduction > most || (reduction == most && last_look(camera) < last_look(best->camera))) {
+          most = reduction;
+          best = sighting;
+        }
+      }
+    }
+    if (best) last_look(best->camera) = last_use(best->beacon) = ++looks_;
+    return best;
+  }
+
+ private:
+  [[nodiscard]] static std::optional<Matrix6> weakest(const HiBallTracker& tracker) {
+    if (tracker.state() == nullptr) return std::nullopt;
+    const TargetState<2>& state = *tracker.state();
+    const auto direction =
+        weakest_direction(state.P.topLeftCorner<6, 6>(), pose_weight(state.X_WB.q(), three_points_B));
+    return direction ? std::optional(direction->weight) : std::nullopt;
+  }
+  std::int64_t& last_look(int camera) { return last_look_[static_cast<std::size_t>(camera)]; }
+  std::int64_t& last_use(int beacon) { return last_use_[static_cast<std::size_t>(beacon)]; }
+
+  const HiBallSimulator* simulator_;
+  int resting_cameras_;
+  std::vector<std::int64_t> last_look_, last_use_;  ///< of each camera and beacon
+  std::vector<int> visible_;
+  std::int64_t looks_ = 0;
+};
+
+}  // namespace holdfast

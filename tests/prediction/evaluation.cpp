@@ -38,10 +38,11 @@ TEST_CASE("on a yaw sine the peak errors are theory's") {
   EvaluationSettings settings;
   settings.velocity_window = std::chrono::milliseconds(2);
   const PredictorEvaluation e = evaluate_predictors(samples, settings);
-  REQUIRE(e.rows.size() == 3);
+  REQUIRE(e.rows.size() == 4);  // without inertial readings
   CHECK(e.rows[0].predictor == "none");
   CHECK(e.rows[1].predictor == "constant_velocity");
   CHECK(e.rows[2].predictor == "kalman");
+  CHECK(e.rows[3].predictor == "constant_acceleration");
   CHECK(e.rows[0].angle_deg.peak == doctest::Approx(3.0 * theory::error(theory::Order::none, 2.0, 0.06)).epsilon(1e-3));
   // The velocity is 1 ms old, which adds x * 2 pi f * 1 ms = 0.0095 of amplitude to an error of 0.28.
   CHECK(e.rows[1].angle_deg.peak ==

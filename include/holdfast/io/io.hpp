@@ -5,6 +5,7 @@
 #include <holdfast/io/device_file.hpp>
 #include <holdfast/io/hmd.hpp>
 #include <holdfast/io/image.hpp>
+#include <holdfast/io/inertial_files.hpp>
 #include <holdfast/io/input_error.hpp>
 #include <holdfast/io/mesh_writer.hpp>
 #include <holdfast/io/osvr.hpp>

@@ -42,17 +42,18 @@ class NamedColumns {
 
   /// The column whose name begins with one of the words.
   [[nodiscard]] NamedColumn column(std::initializer_list<std::string_view> words) const {
-    NamedColumn found;
-    for (std::size_t i = 0; i < header_cells_.size(); ++i) {
-      const ColumnName parts = column_name(header_cells_[i]);
-      const bool is_it =
-          !parts.words.empty() && std::find(words.begin(), words.end(), parts.words.front()) != words.end();
-      if (!is_it) continue;
-      if (found.place != no_column) refuse_header(std::string(*words.begin()), "the header names this column twice");
-      found = {i, std::string(header_cells_[i]), parts};
-    }
-    if (found.place == no_column) refuse_header(std::string(*words.begin()), "the header does not name this column");
-    return found;
+    return find(std::string(*words.begin()), [&](const std::vector<std::string>& name) {
+      return std::find(words.begin(), words.end(), name.front()) != words.end();
+    });
+  }
+  /// The column of one axis: its name begins with one of the words and the axis, as one word or as two: gx, gyr_x.
+  [[nodiscard]] NamedColumn axis_column(std::initializer_list<std::string_view> words, char axis) const {
+    return find(std::string(*words.begin()) + axis, [&](const std::vector<std::string>& name) {
+      return std::any_of(words.begin(), words.end(), [&](std::string_view word) {
+        return name.front() == std::string(word) + axis ||
+               (name.front() == word && name.size() > 1 && name[1] == std::string(1, axis));
+      });
+    });
   }
 
   /// Goes on to the next row; false after the last.
@@ -117,6 +118,20 @@ class NamedColumns {
   }
 
  private:
+  /// The one column whose name's words are right; `key` names it in messages.
+  template <typename IsIt>
+  [[nodiscard]] NamedColumn find(const std::string& key, const IsIt& is_it) const {
+    NamedColumn found;
+    for (std::size_t i = 0; i < header_cells_.size(); ++i) {
+      const ColumnName parts = column_name(header_cells_[i]);
+      if (parts.words.empty() || !is_it(parts.words)) continue;
+      if (found.place != no_column) refuse_header(key, "the header names this column twice");
+      found = {i, std::string(header_cells_[i]), parts};
+    }
+    if (found.place == no_column) refuse_header(key, "the header does not name this column");
+    return found;
+  }
+
   [[nodiscard]] bool next_line() {
     do {
       if (!lines_.next(line_)) return false;

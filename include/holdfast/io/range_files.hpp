@@ -2,7 +2,7 @@
 ///
 ///   anchors   id, x, y, z                  where they were surveyed, m
 ///   ranges    t, anchor, range             one distance at a time, m; anchor is an id of the anchors' file
-///   inertial  t, gx, gy, gz, ax, ay, az    rad/s and m/s^2, in the body's axes
+///   inertial  t, gx, gy, gz, ax, ay, az    rad/s and m/s^2, in the body's axes (inertial_files.hpp)
 ///   truth     a trajectory, as trajectory.hpp reads it
 /// as, for instance, t_s,anchor_id,range_m. Times are of one clock and do not decrease.
 /// Bad input: an InputError that names file, line, column, what was found and what was expected. Ranges must be positive,
@@ -15,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include <holdfast/io/inertial_files.hpp>
 #include <holdfast/io/named_columns.hpp>
 #include <holdfast/io/trajectory.hpp>
 #include <holdfast/io/whole_file.hpp>
@@ -23,17 +24,6 @@
 namespace holdfast::io {
 
 namespace detail {
-
-[[nodiscard]] inline NamedColumn time_column(const NamedColumns& rows) {
-  return rows.column({"t", "time", "timestamp", "stamp", "seconds"});
-}
-
-/// The time of a row, which is not before that of the row before.
-[[nodiscard]] inline HostTime time_in_order(const NamedColumns& rows, const NamedColumn& column, HostTime& newest) {
-  const HostTime t = rows.time(column);
-  if (t < newest) rows.refuse(column, "goes back in time", "times that do not decrease");
-  return newest = t;
-}
 
 [[nodiscard]] inline std::string ids_of(const std::vector<RangeAnchor>& anchors) {
   std::string ids;
@@ -82,32 +72,6 @@ namespace detail {
   return readings;
 }
 
-[[nodiscard]] inline std::vector<InertialReading> parse_inertial(std::string_view text, const std::string& file) {
-  detail::NamedColumns rows(text, file, "t_s,gx_rad_s,gy_rad_s,gz_rad_s,ax_m_s2,ay_m_s2,az_m_s2");
-  const detail::NamedColumn t = detail::time_column(rows);
-  const std::array rate{rows.column({"gx"}), rows.column({"gy"}), rows.column({"gz"})};
-  const std::array force{rows.column({"ax"}), rows.column({"ay"}), rows.column({"az"})};
-  for (const detail::NamedColumn& column : rate) {
-    for (const std::string& word : column.parts.words) {
-      if (word == "deg" || word == "dps") rows.refuse_header(column.name, "is in degrees");
-    }
-  }
-  for (const detail::NamedColumn& column : force) {
-    for (const std::string& word : column.parts.words) {
-      if (word == "g" || word == "mg") rows.refuse_header(column.name, "is in units of gravity");
-    }
-  }
-  std::vector<InertialReading> readings;
-  HostTime newest = HostTime::min();
-  while (rows.next()) {
-    readings.push_back({detail::time_in_order(rows, t, newest),
-                        Vector3(rows.number(rate[0]), rows.number(rate[1]), rows.number(rate[2])),
-                        Vector3(rows.number(force[0]), rows.number(force[1]), rows.number(force[2]))});
-  }
-  if (readings.empty()) rows.refuse_end();
-  return readings;
-}
-
 struct RangeFiles {
   std::filesystem::path ranges, anchors, inertial, truth;
 };
@@ -116,7 +80,7 @@ struct RangeFiles {
   RangeRecording recording;
   recording.anchors = parse_anchors(read_whole_file(files.anchors), files.anchors.string());
   recording.ranges = parse_ranges(read_whole_file(files.ranges), files.ranges.string(), recording.anchors);
-  recording.inertial = parse_inertial(read_whole_file(files.inertial), files.inertial.string());
+  recording.inertial = read_inertial(files.inertial);
   recording.truth = read_trajectory(files.truth).samples;
   return recording;
 }

@@ -4,10 +4,16 @@
 ///   none, constant_velocity   the velocity is the backward difference of sample i and the recording 16.7 ms earlier
 ///                             (interpolated between known samples; where samples are rarer, the sample before)
 ///   kalman                    a filter of all samples since the last gap (pose_filter.hpp), carried on by its model
+///   constant_acceleration     that velocity, and the difference to the one of the window before it
+/// and, where inertial readings are given, stamped by the samples' clock,
+///   gyro                      the orientation turns on at the newest reading's rate, the place moves at that velocity
+///   gyro_acceleration         and at the difference of the two newest rates
+///   kalman_inertial           InertialPredictor, of all samples and readings
 /// and the result is compared with the truth at t_i + interval: by default the recording itself, interpolated (linear,
 /// constant rate), or a truth of your own, such as its non-causal 10 Hz low-pass (001 appendix B).
 ///   angle error     angle of R_true^-1 R_predicted, degrees (001 section 5.3 prints 2 cos(qw) for 2 acos(|qw|))
 ///   position error  |p_predicted - p_true|, millimetres
+///   inside_95       how many errors lie inside the ellipsoid that should hold 95 % of them, %
 ///
 /// A sample is left out when a gap (an interval longer than five medians) lies between its velocity's start and its
 /// truth, or when the recording ends before: counted in `skipped`. All rows speak of the same samples, in the order above.
@@ -21,11 +27,15 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
+
+#include <Eigen/Cholesky>
 
 #include <holdfast/geometry/angle.hpp>
 #include <holdfast/motion/sampled_trajectory.hpp>
 #include <holdfast/prediction/error_statistics.hpp>
+#include <holdfast/prediction/inertial_predictor.hpp>
 #include <holdfast/prediction/jitter.hpp>
 #include <holdfast/prediction/predictor.hpp>
 #include <holdfast/prediction/state_prediction.hpp>
@@ -48,6 +58,7 @@ struct PredictorRow {
   /// Orientation error between 3 and 12 Hz, root mean square (jitter.hpp). Errors count as evenly spaced by the median
   /// interval, also across what was skipped. Nothing for less than 1 s of them.
   std::optional<double> jitter_arcmin;
+  std::optional<double> inside_95_pct;  ///< nothing where no covariance is predicted
   std::vector<PredictionError> errors;
 };
 
@@ -59,16 +70,27 @@ struct EvaluationSettings {
   // Of the Kalman filter.
   PvaModel model = head_model();
   PoseFilterSettings filter;
+  /// In the order of their times; none: no rows of inertial predictors.
+  std::span<const InertialReading> inertial;
 };
 
-/// Names of the rows, in their order.
-inline constexpr std::array<std::string_view, 3> evaluated_predictors{
-    to_string(Predictor::none), to_string(Predictor::constant_velocity), "kalman"};
+/// Names of the rows, in their order; the last three only with inertial readings.
+inline constexpr std::array<std::string_view, 7> evaluated_predictors{to_string(Predictor::none),
+                                                                      to_string(Predictor::constant_velocity),
+                                                                      "kalman",
+                                                                      "constant_acceleration",
+                                                                      "gyro",
+                                                                      "gyro_acceleration",
+                                                                      "kalman_inertial"};
+inline constexpr std::size_t inertial_predictors = 3;
 
 struct PredictorEvaluation {
   Duration interval{0};
   std::size_t skipped = 0;  ///< samples without truth or across a gap
   std::vector<PredictorRow> rows;
+  /// Of kalman_inertial, at the end: what it found out about the sensors, and how many predictions it left to the poses.
+  InertialState sensors;
+  std::size_t by_poses = 0;
 };
 
 namespace detail {
@@ -117,6 +139,98 @@ struct Stretches {
   return error;
 }
 
+/// A predicted pose without covariance.
+[[nodiscard]] inline PredictionResult bare_prediction(const Rigid& X_WB, HostTime t) {
+  PredictionResult result;
+  result.t = t;
+  result.X_WB = X_WB;
+  return result;
+}
+
+/// From velocity and acceleration: p + v T + a T^2 / 2, R exp(w T + alpha T^2 / 2).
+[[nodiscard]] inline PredictionResult extrapolated(const PoseEstimate& estimate, const Twist& velocity,
+                                                   const TwistRate& acceleration, HostTime t) {
+  const double T = to_seconds(t - estimate.t), half = 0.5 * T * T;
+  const Vector3 turn = T * velocity.w_WB_B + half * acceleration.alpha_WB_B;
+  return bare_prediction(Rigid(estimate.X_WB.q() * so3::exp<double>(turn),
+                               estimate.X_WB.p() + T * velocity.v_WB + half * acceleration.a_WB),
+                         t);
+}
+
+/// `earlier` is the velocity of a window that ends where the newer one's begins, `window` seconds before.
+[[nodiscard]] inline PredictionResult predict_constant_acceleration(const PoseEstimate& newer, const Twist& earlier,
+                                                                    double window, HostTime t) {
+  const TwistRate rate{(newer.velocity->v_WB - earlier.v_WB) / window,
+                       (newer.velocity->w_WB_B - earlier.w_WB_B) / window};
+  const Twist at_end{newer.velocity->v_WB + 0.5 * window * rate.a_WB,
+                     newer.velocity->w_WB_B + 0.5 * window * rate.alpha_WB_B};
+  return extrapolated(newer, at_end, rate, t);
+}
+
+/// Collects one row.
+struct RowRecorder {
+  PredictorRow row;
+  std::vector<Vector3> error_vectors;
+  std::size_t judged = 0, inside = 0;
+
+  void add(const PredictionResult& predicted, const Rigid& X_WB_true) {
+    row.errors.push_back(error_of(predicted, X_WB_true));
+    const Vector3 turned = so3::log<double>(predicted.X_WB.q().conjugate() * X_WB_true.q());
+    error_vectors.push_back(turned);
+    const Eigen::LLT<Matrix6> cholesky(predicted.covariance);
+    if (cholesky.info() != Eigen::Success) return;
+    Vector6 error;
+    error << X_WB_true.p() - predicted.X_WB.p(), turned;
+    const Vector6 weighted = cholesky.solve(error);
+    ++judged;
+    inside += error.dot(weighted) < 12.592 ? 1 : 0;  // 95 % of chi-squared with 6 degrees of freedom
+  }
+
+  [[nodiscard]] PredictorRow finish(double rate_hz) && {
+    std::vector<double> series(row.errors.size());
+    std::ranges::transform(row.errors, series.begin(), &PredictionError::angle_deg);
+    row.angle_deg = statistics_of(series);
+    std::ranges::transform(row.errors, series.begin(), &PredictionError::position_mm);
+    row.position_mm = statistics_of(series);
+    const std::optional<double> jitter_rad = band_rms<3>(error_vectors, rate_hz);
+    if (jitter_rad) row.jitter_arcmin = radians(*jitter_rad).arcmin();
+    if (judged > 0) row.inside_95_pct = 100.0 * static_cast<double>(inside) / static_cast<double>(judged);
+    return std::move(row);
+  }
+};
+
+/// The two newest readings at a time, and the predictor that has all until then.
+class InertialFollower {
+ public:
+  InertialFollower(std::span<const InertialReading> readings, const EvaluationSettings& settings)
+      : readings_(readings), predictor_(predictor_settings(settings)) {}
+
+  void follow(const TimedPose& pose) {
+    for (; next_ < readings_.size() && readings_[next_].t <= pose.t; ++next_) predictor_.update(readings_[next_]);
+    predictor_.update(pose);
+  }
+  [[nodiscard]] Vector3 rate() const { return next_ > 0 ? readings_[next_ - 1].rate_B : Vector3(Vector3::Zero()); }
+  [[nodiscard]] Vector3 raw_acceleration() const {
+    if (next_ < 2) return Vector3::Zero();
+    const InertialReading &a = readings_[next_ - 2], &b = readings_[next_ - 1];
+    return b.t > a.t ? Vector3((b.rate_B - a.rate_B) / to_seconds(b.t - a.t)) : Vector3(Vector3::Zero());
+  }
+  [[nodiscard]] const InertialPredictor& predictor() const { return predictor_; }
+
+ private:
+  static InertialPredictorSettings predictor_settings(const EvaluationSettings& settings) {
+    InertialPredictorSettings inertial;
+    inertial.model = settings.model;
+    inertial.poses = settings.filter;
+    inertial.limits.future = settings.limits.maximum_interval;
+    return inertial;
+  }
+
+  std::span<const InertialReading> readings_;
+  InertialPredictor predictor_;
+  std::size_t next_ = 0;
+};
+
 }  // namespace detail
 
 /// Evaluates every predictor on `samples` against `truth`, whose times must cover the samples'.
@@ -125,58 +239,67 @@ struct Stretches {
                                                              const EvaluationSettings& settings = {}) {
   PredictorEvaluation evaluation;
   evaluation.interval = settings.interval;
-  for (const std::string_view name : evaluated_predictors) {
-    evaluation.rows.emplace_back();
-    evaluation.rows.back().predictor = name;
-    evaluation.rows.back().errors.reserve(samples.size());
+  const std::size_t count = evaluated_predictors.size() - (settings.inertial.empty() ? inertial_predictors : 0);
+  std::vector<detail::RowRecorder> rows(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    rows[k].row.predictor = evaluated_predictors[k];
+    rows[k].row.errors.reserve(samples.size());
   }
+  const auto finish = [&](double rate_hz) {
+    for (detail::RowRecorder& row : rows) evaluation.rows.push_back(std::move(row).finish(rate_hz));
+    return evaluation;
+  };
   if (samples.empty() || truth.size() < 2) {
     evaluation.skipped = samples.size();
-    return evaluation;
+    return finish(0.0);
   }
   evaluation.skipped = 1;  // the first sample has no velocity
-  std::array<std::vector<Vector3>, evaluated_predictors.size()> error_vectors;
   const Duration usual = median_interval(samples);
-  const double rate_hz = usual > Duration{0} ? 1.0 / to_seconds(usual) : 0.0;
   const detail::Stretches stretches(samples, 5 * usual);
-  detail::Walker known(samples), future(truth);
+  detail::Walker known(samples), known_before(samples), future(truth);
   PoseFilter<3> filter(settings.model, settings.filter);
   filter.start(samples[0]);
+  std::optional<detail::InertialFollower> inertial;
+  if (!settings.inertial.empty()) inertial.emplace(settings.inertial, settings).follow(samples[0]);
   for (std::size_t i = 1; i < samples.size(); ++i) {
     if (stretches.first[i] == samples[i].t) {
       filter.start(samples[i]);
     } else {
       filter.update(samples[i]);
     }
-    const HostTime target = samples[i].t + settings.interval;
-    const HostTime earlier = std::min(samples[i].t - settings.velocity_window, samples[i - 1].t);
+    if (inertial) inertial->follow(samples[i]);
+    const HostTime t = samples[i].t, target = t + settings.interval;
+    const HostTime earlier = std::min(t - settings.velocity_window, samples[i - 1].t);
     if (earlier < stretches.first[i] || target > stretches.last[i] || target > truth.back().t) {
       ++evaluation.skipped;
       continue;
     }
-    const PoseEstimate estimate = backward_difference({earlier, known.at(earlier)}, samples[i]);
+    const TimedPose before{earlier, known.at(earlier)};
+    const PoseEstimate estimate = backward_difference(before, samples[i]);
     const Rigid X_WB_true = future.at(target);
-    const auto add = [&](std::size_t row, const PredictionResult& predicted) {
-      evaluation.rows[row].errors.push_back(detail::error_of(predicted, X_WB_true));
-      error_vectors[row].push_back(so3::log<double>(X_WB_true.q().conjugate() * predicted.X_WB.q()));
-    };
     for (std::size_t k = 0; k < predictors.size(); ++k) {
-      add(k, predict(predictors[k], estimate, target, settings.limits));
+      rows[k].add(predict(predictors[k], estimate, target, settings.limits), X_WB_true);
     }
     const StatePredictionLimits limits{settings.limits.maximum_interval};
-    add(predictors.size(), predict_state(filter.state(), filter.model(), target, limits));
+    rows[2].add(predict_state(filter.state(), filter.model(), target, limits), X_WB_true);
+    // A window earlier; where the stretch begins later, the velocity is taken for constant.
+    const HostTime earliest = std::max(earlier - (t - earlier), stretches.first[i]);
+    const Twist velocity_before = earliest < earlier
+                                      ? *backward_difference({earliest, known_before.at(earliest)}, before).velocity
+                                      : *estimate.velocity;
+    rows[3].add(detail::predict_constant_acceleration(estimate, velocity_before, to_seconds(t - earlier), target),
+                X_WB_true);
+    if (!inertial) continue;
+    const Twist by_gyro{estimate.velocity->v_WB, inertial->rate()};
+    rows[4].add(detail::extrapolated(estimate, by_gyro, {}, target), X_WB_true);
+    rows[5].add(detail::extrapolated(estimate, by_gyro, {Vector3::Zero(), inertial->raw_acceleration()}, target),
+                X_WB_true);
+    const InertialPrediction predicted = inertial->predictor().predict(target);
+    rows[6].add(predicted, X_WB_true);
+    evaluation.by_poses += predicted.by == PredictedBy::inertial ? 0 : 1;
   }
-  for (std::size_t k = 0; k < evaluation.rows.size(); ++k) {
-    PredictorRow& row = evaluation.rows[k];
-    std::vector<double> series(row.errors.size());
-    std::ranges::transform(row.errors, series.begin(), &PredictionError::angle_deg);
-    row.angle_deg = statistics_of(series);
-    std::ranges::transform(row.errors, series.begin(), &PredictionError::position_mm);
-    row.position_mm = statistics_of(series);
-    const std::optional<double> jitter_rad = band_rms<3>(error_vectors[k], rate_hz);
-    if (jitter_rad) row.jitter_arcmin = radians(*jitter_rad).arcmin();
-  }
-  return evaluation;
+  if (inertial) evaluation.sensors = inertial->predictor().filter().state();
+  return finish(usual > Duration{0} ? 1.0 / to_seconds(usual) : 0.0);
 }
 
 /// The same with the recording itself as the truth.

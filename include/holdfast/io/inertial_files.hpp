@@ -1,0 +1,73 @@
+/// Reads a recording of inertial sensors: a text with named columns (named_columns.hpp).
+///
+///   t, gx, gy, gz, ax, ay, az    or gyr_x, ..., acc_x, ...; also gyro_, w_, omega_, accel_, a_: rad/s and m/s^2, in the
+///                                 body's axes; other columns are left alone
+/// as, for instance, t_s,gyr_x_rad_s,gyr_y,gyr_z,acc_x_m_s2,acc_y,acc_z. Times do not decrease.
+/// Bad input: an InputError that names file, line, column, what was found and what was expected: rates in degrees and forces
+/// in units of gravity, where the header says so, too.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <holdfast/io/named_columns.hpp>
+#include <holdfast/io/whole_file.hpp>
+#include <holdfast/tracking/inertial_reading.hpp>
+
+namespace holdfast::io {
+
+namespace detail {
+
+[[nodiscard]] inline NamedColumn time_column(const NamedColumns& rows) {
+  return rows.column({"t", "time", "timestamp", "stamp", "seconds"});
+}
+
+/// The time of a row, which is not before that of the row before.
+[[nodiscard]] inline HostTime time_in_order(const NamedColumns& rows, const NamedColumn& column, HostTime& newest) {
+  const HostTime t = rows.time(column);
+  if (t < newest) rows.refuse(column, "goes back in time", "times that do not decrease");
+  return newest = t;
+}
+
+[[nodiscard]] inline std::array<NamedColumn, 3> axes_columns(const NamedColumns& rows,
+                                                             std::initializer_list<std::string_view> words,
+                                                             std::initializer_list<std::string_view> refused_units,
+                                                             const std::string& problem) {
+  const std::array columns{rows.axis_column(words, 'x'), rows.axis_column(words, 'y'), rows.axis_column(words, 'z')};
+  for (const NamedColumn& column : columns) {
+    for (const std::string& word : column.parts.words) {
+      for (const std::string_view unit : refused_units) {
+        if (word == unit) rows.refuse_header(column.name, problem);
+      }
+    }
+  }
+  return columns;
+}
+
+}  // namespace detail
+
+[[nodiscard]] inline std::vector<InertialReading> parse_inertial(std::string_view text, const std::string& file) {
+  detail::NamedColumns rows(text, file, "t_s,gx_rad_s,gy_rad_s,gz_rad_s,ax_m_s2,ay_m_s2,az_m_s2");
+  const detail::NamedColumn t = detail::time_column(rows);
+  const auto rate = detail::axes_columns(rows, {"g", "gyr", "gyro", "w", "omega"}, {"deg", "dps"}, "is in degrees");
+  const auto force = detail::axes_columns(rows, {"a", "acc", "accel"}, {"g", "mg"}, "is in units of gravity");
+  std::vector<InertialReading> readings;
+  HostTime newest = HostTime::min();
+  while (rows.next()) {
+    readings.push_back({detail::time_in_order(rows, t, newest),
+                        Vector3(rows.number(rate[0]), rows.number(rate[1]), rows.number(rate[2])),
+                        Vector3(rows.number(force[0]), rows.number(force[1]), rows.number(force[2]))});
+  }
+  if (readings.empty()) rows.refuse_end();
+  return readings;
+}
+
+[[nodiscard]] inline std::vector<InertialReading> read_inertial(const std::filesystem::path& file) {
+  return parse_inertial(read_whole_file(file), file.string());
+}
+
+}  // namespace holdfast::io

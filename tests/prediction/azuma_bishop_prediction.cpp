@@ -1,14 +1,18 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstdio>
 #include <numbers>
 
 #include <doctest/doctest.h>
 
 #include <holdfast/motion/test_signals.hpp>
 #include <holdfast/prediction/azuma_bishop_prediction.hpp>
+#include <holdfast/prediction/prediction_distance.hpp>
 #include <holdfast/prediction/predictor_theory.hpp>
 #include <holdfast/prediction/state_prediction.hpp>
+#include <holdfast/simulation/inertial_sensor.hpp>
+#include <holdfast/tracking/azuma_bishop_filter.hpp>
 
 using namespace holdfast;
 using namespace std::chrono_literals;
@@ -84,4 +88,34 @@ TEST_CASE("constant acceleration: gains within 1 % of theory, and worse than non
     CHECK(gain == doctest::Approx(theory::gain(theory::Order::constant_acceleration, hz, T)).epsilon(0.01));
     CHECK((error > held) == (hz > 6.1));  // f T = 0.365
   }
+}
+
+TEST_CASE("the page's example of Azuma and Bishop's filters") {
+  const InertialUnit unit = azuma_bishop_inertial_unit();
+  const TimedPose pose{time_at(1.0), Rigid()};
+  InertialReading reading;
+  reading.t = pose.t;
+  reading.force_B = standard_gravity * Vector3::UnitY();
+
+  AzumaBishopSettings settings;
+  settings.accelerometers_S = unit.accelerometers_S;  // where the accelerometers sit; biases and scales too
+  AzumaBishopFilter filter(settings);
+  filter.update(pose, reading);                           // or filter.update(pose): without inertial sensors
+  Rigid X_WH = azuma_bishop_pose(filter.state(), 0.060);  // 60 ms ahead, in closed form
+  CHECK(X_WH.p().norm() < 1e-12);
+}
+
+TEST_CASE("the page's example of the prediction distance") {
+  FramePlanSettings settings;
+  const HostTime measured = time_at(1.0), now = time_at(1.005), scan_out_start = time_at(1.1);
+  const Duration took = 3ms;
+  const auto draw = [&](HostTime t) { CHECK(t > now); };
+  PredictionDistance distance(settings);  // FramePlanSettings: the display, and a first guess
+  if (const auto plan = distance.plan(measured, now)) {
+    draw(plan->middle_of_scan_out);  // predict for that
+    distance.computed(took);
+    distance.shown(*plan, scan_out_start);  // once it is known
+  }
+  CHECK(distance.errors().wrong_share() == 1.0);
+  if (distance.errors().wrong_share() > 0.05) std::puts("one distance in twenty is wrong by a refresh");
 }

@@ -3,7 +3,9 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <memory>
+#include <utility>
 
 #include <doctest/doctest.h>
 
@@ -114,6 +116,50 @@ TEST_CASE("001 figure 6 at 60 ms: none > without > with inertial sensors, 5 time
     CHECK(f.none.angle_deg.mean == doctest::Approx(p.mean[0][0]).epsilon(0.15));
     CHECK(f.none.position_mm.mean == doctest::Approx(p.mean[0][1]).epsilon(0.15));
   }
+}
+
+TEST_CASE("what a filter is not told about its sensors, it pays for: errors at 60 ms, means of the three motions") {
+  using Change = std::function<void(SensingSettings&, AzumaBishopSettings&)>;
+  const auto mean = [](const char* name, const Change& change) {
+    double deg = 0.0, mm = 0.0;
+    for (const char* id : {"M4", "M5", "M6"}) {
+      const std::unique_ptr<Motion> motion = make_motion(id);
+      SensingSettings sensing;
+      sensing.noise = {5e-4, degrees(0.05).radians()};
+      AzumaBishopSettings settings = told(sensing.unit);
+      change(sensing, settings);
+      const PredictionErrors e = figure_6(*motion, sense(*motion, sensing), settings, interval).with_inertial;
+      deg += e.angle_deg.mean / 3.0;
+      mm += e.position_mm.mean / 3.0;
+    }
+    std::printf("  %-40s %.3f deg %.2f mm\n", name, deg, mm);
+    return std::pair(deg, mm);
+  };
+  const auto gyros = [](double deg_s) {
+    return Change([=](auto& s, auto&) { s.unit.gyro.bias.setConstant(degrees(deg_s).radians()); });
+  };
+  const auto accelerometers = [](double mg) {
+    return Change([=](auto& s, auto&) { s.unit.accelerometer.bias.setConstant(1e-3 * mg * standard_gravity); });
+  };
+  const auto turned = [](double deg) {
+    const Vector3 turn = degrees(deg).radians() / std::sqrt(3.0) * Vector3::Ones();
+    return Change([=](auto&, auto& s) { s.X_BS = Rigid::rotation(so3::exp<double>(turn)); });
+  };
+  const auto told_all = mean("nothing is wrong", [](auto&, auto&) {});
+  const auto off = mean("gyros off by 1 deg/s each", gyros(1.0));
+  const auto pushed = mean("accelerometers off by 10 mg each", accelerometers(10.0));
+  const auto pushed_more = mean("accelerometers off by 30 mg each", accelerometers(30.0));
+  const auto askew = mean("unit turned by 1 deg", turned(1.0)), more_askew = mean("unit turned by 5 deg", turned(5.0));
+  const auto late = mean("readings late by one pose", [](auto& s, auto&) { s.unit.lag = 10ms; });
+  const auto apart = mean("accelerometers' places", [](auto&, auto& s) { s.accelerometers_S.fill(Vector3::Zero()); });
+  CHECK(off.first > 1.2 * told_all.first);
+  CHECK(off.second == doctest::Approx(told_all.second).epsilon(0.02));  // gyros hardly touch the position
+  CHECK(pushed.second > 1.5 * told_all.second);
+  CHECK(pushed_more.second > 2.0 * pushed.second);
+  CHECK(askew.second > 1.5 * told_all.second);
+  CHECK(more_askew.second > 3.0 * askew.second);
+  CHECK(late.first > 1.3 * told_all.first);
+  CHECK(apart.second > 1.5 * told_all.second);
 }
 
 // evaluation.md, value 12. The filter smooths a noisy tracker, so at short intervals only a quiet one is quieter than it.

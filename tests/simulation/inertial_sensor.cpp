@@ -229,3 +229,18 @@ TEST_CASE("faults: disconnected, dead, stuck, lost, saturated, clock jumped; and
   CHECK(readings[2999].t == clean[2999].t);
   CHECK(readings[3000].t == clean[3000].t - 3s);
 }
+
+TEST_CASE("the page's example") {
+  const auto walking = make_walk_around(1, std::chrono::seconds(10));
+
+  InertialUnit unit = mems_inertial_unit();                   // like those in today's headsets, 500 Hz
+  unit.X_BS = Rigid::translation(Vector3(0.0, 0.08, -0.05));  // where it sits on the head
+  unit.lag = std::chrono::milliseconds(4);                    // readings are stamped that much too late
+  std::vector<InertialReading> readings = inertial_stream(*walking, unit);
+
+  make_stuck(readings, {time_at(4.0), time_at(6.0)}, accelerometer_channels);
+
+  CHECK(readings.size() == 5001);
+  CHECK(readings[2100].force_B == readings[2200].force_B);
+  CHECK(readings[2100].rate_B != readings[2200].rate_B);
+}

@@ -290,8 +290,10 @@ TEST_CASE("bad data: refused, or used in part, and named; the state stays finite
     if (i == 40) reading.rate_B.y() = nan;
     if (i == 41) reading.force_B.z() = nan;
     if (i == 42) reading.rate_B.setConstant(std::numeric_limits<double>::infinity());
+    if (i == 43) reading.rate_B.x() = 1e200;
+    if (i == 44) reading.force_B.y() = -1e200;
     const AzumaBishopStatus status = filter.update({truth.t, truth.X_WB}, reading);
-    CHECK(status == (i >= 40 && i <= 42 ? AzumaBishopStatus::updated_in_part : AzumaBishopStatus::updated));
+    CHECK(status == (i >= 40 && i <= 44 ? AzumaBishopStatus::updated_in_part : AzumaBishopStatus::updated));
     CHECK(filter.state().is_finite());
   }
   const MotionState truth = motion->at(time_at(1.0));
@@ -302,6 +304,7 @@ TEST_CASE("bad data: refused, or used in part, and named; the state stays finite
   CHECK(filter.update({time_at(1.0), truth.X_WB}, reading) == AzumaBishopStatus::refused);  // the same time again
   CHECK(filter.update({time_at(0.5), truth.X_WB}) == AzumaBishopStatus::refused);
   CHECK(filter.update({time_at(1.01), Rigid::translation(Vector3(nan, 0, 0))}) == AzumaBishopStatus::refused);
+  CHECK(filter.update({time_at(1.01), Rigid::translation(Vector3(1e13, 0, 0))}) == AzumaBishopStatus::refused);
   CHECK((filter.state().P - before.P).norm() == 0.0);
   CHECK(filter.update({time_at(1.6), truth.X_WB}, reading) == AzumaBishopStatus::started);  // after a gap
   // -q is the same orientation.
@@ -328,4 +331,20 @@ TEST_CASE("the covariance stays symmetric and positive definite, and nothing all
   CHECK(P == P.transpose());
   CHECK(normalised_square<10>(Ekf::State::Ones(), P).has_value());
   CHECK(normalised_square<18>(VectorOf<double, 18>::Ones(), filter.state().P).has_value());
+}
+
+TEST_CASE(
+    "whatever finite data come, no number is lost: noise of a metre and a half turn, rates that are not the poses'") {
+  AzumaBishopFilter filter;
+  for (int i = 0; i < 3000; ++i) {
+    KeyedNumbers numbers(9, {i});
+    const Vector3 turn = 3.0 * normal3(numbers), place = normal3(numbers);
+    InertialReading reading;
+    reading.rate_B = 1e3 * normal3(numbers);
+    reading.force_B = 1e5 * normal3(numbers);
+    filter.update({time_at(0.001 * i * (1 + i % 50)), Rigid(so3::exp<double>(turn), place)}, reading);
+    const TargetState<3> state = filter.state();
+    CHECK(state.is_finite());
+    CHECK(std::abs(state.X_WB.q().norm() - 1.0) < 1e-12);
+  }
 }

@@ -9,11 +9,13 @@
 /// the filter's w and w', and go to the three position filters. That prediction is 001's closed form
 /// (azuma_bishop_prediction.hpp).
 /// The reading should be of the pose's time; it is taken as if it were.
-/// Bad input: a pose that is not finite or not later than the last is refused, the state stays. Gyro numbers that are not
-/// finite are left out one by one, of accelerometers all together: updated_in_part.
+/// Bad input: a pose that is not finite, beyond farthest_m, or not later than the last is refused, the state stays. Gyro
+/// numbers that are not finite or absurd are left out one by one, accelerometers' all together: updated_in_part.
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <limits>
 #include <optional>
 
 #include <holdfast/motion/timed_pose.hpp>
@@ -38,6 +40,9 @@ struct AzumaBishopSettings {
 
 class AzumaBishopFilter {
  public:
+  // Numbers stay finite below these; no head comes near.
+  static constexpr double farthest_m = 1e12, fastest_rad_s = 1e4, hardest_m_s2 = 1e6;
+
   explicit AzumaBishopFilter(const AzumaBishopSettings& settings = {})
       : settings_(settings),
         sensors_(accelerometers_on_body(settings.X_BS, settings.accelerometers_S)),
@@ -45,7 +50,7 @@ class AzumaBishopFilter {
 
   /// The same without inertial sensors.
   AzumaBishopStatus update(const TimedPose& measured) {
-    if (!measured.X_WB.is_finite()) return AzumaBishopStatus::refused;
+    if (is_absurd(measured)) return AzumaBishopStatus::refused;
     const HostTime before = orientation_.t();
     const AzumaBishopStatus status = orientation_.update(measured.t, measured.X_WB.q());
     carry_position(status, before, measured, std::nullopt);
@@ -53,13 +58,16 @@ class AzumaBishopFilter {
   }
 
   AzumaBishopStatus update(const TimedPose& measured, const InertialReading& reading) {
-    if (!measured.X_WB.is_finite()) return AzumaBishopStatus::refused;
-    const Vector3 rate_S = (reading.rate_B - settings_.rate_bias).cwiseQuotient(settings_.rate_scale);
+    if (is_absurd(measured)) return AzumaBishopStatus::refused;
+    Vector3 rate_S = (reading.rate_B - settings_.rate_bias).cwiseQuotient(settings_.rate_scale);
+    for (double& rate : rate_S) {
+      if (!(std::abs(rate) < fastest_rad_s)) rate = std::numeric_limits<double>::quiet_NaN();
+    }
     const Vector3 force_S = (reading.force_B - settings_.force_bias).cwiseQuotient(settings_.force_scale);
     const HostTime before = orientation_.t();
     AzumaBishopStatus status = orientation_.update(measured.t, measured.X_WB.q(), rate_on_body(rate_S));
     std::optional<Vector3> acceleration;
-    if (force_S.allFinite()) {
+    if (force_S.cwiseAbs().maxCoeff() < hardest_m_s2 && force_S.allFinite()) {
       const TurningState turning{measured.X_WB.q(), orientation_.w_WB_B(), orientation_.alpha_WB_B()};
       acceleration = linear_acceleration(sensors_, force_S, turning, settings_.gravity_W);
     } else if (status == AzumaBishopStatus::updated) {
@@ -109,6 +117,10 @@ class AzumaBishopFilter {
   }
 
  private:
+  [[nodiscard]] static bool is_absurd(const TimedPose& measured) {
+    return !(measured.X_WB.p().squaredNorm() < farthest_m * farthest_m) || !measured.X_WB.is_finite();
+  }
+
   /// A number that is missing takes only the axes of B with it that it is part of.
   [[nodiscard]] Vector3 rate_on_body(const Vector3& rate_S) const {
     const Matrix3 R_BS = settings_.X_BS.R();

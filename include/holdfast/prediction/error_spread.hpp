@@ -4,6 +4,7 @@
 /// direction; times a factor that is moved by every error until 95 % of them lie inside the ellipsoid that should hold 95 %:
 /// up by a step when one is outside, down by 5/95 of it when inside. That holds whatever the errors' distribution (adaptive
 /// conformal inference, Gibbs & Candes 2021). Each error is judged by the covariance of when it was predicted.
+/// Orientation and place have their own moments, and one factor: the ellipsoid of both holds 95 %.
 /// Bad input: precondition finite errors.
 #pragma once
 
@@ -18,31 +19,44 @@ namespace holdfast {
 
 class ErrorSpread {
  public:
-  /// `deviation`: of each number, before anything is known.
-  explicit ErrorSpread(double deviation) : moment_(deviation * deviation * Matrix3::Identity()) {}
+  /// Deviations of each number before anything is known: rad, m.
+  ErrorSpread(double turn_deviation, double move_deviation)
+      : turn_(turn_deviation * turn_deviation * Matrix3::Identity()),
+        move_(move_deviation * move_deviation * Matrix3::Identity()) {}
 
-  /// `predicted`: the covariance that was expected. `fade`: what remains of the earlier errors.
-  void add(const Vector3& error, const Matrix3& predicted, double fade) {
-    constexpr double limit = 7.815, step = 0.03;  // 95 % of chi-squared with 3 degrees of freedom
-    const Vector3 weighted = predicted.inverse() * error;
-    const double squared = error.dot(weighted);
-    const double counted = std::min(1.0, largest / squared);
-    moment_ = fade * moment_ + (1.0 - fade) * counted * error * error.transpose();
-    factor_ *= squared > limit ? std::exp(step) : std::exp(-step * 5.0 / 95.0);
+  /// An orientation was off by `turn`, a place by `move`, where these covariances were expected. `fade`: what remains of
+  /// the earlier errors.
+  void add(const Vector3& turn, const Vector3& move, const Matrix3& turn_expected, const Matrix3& move_expected,
+           double fade) {
+    constexpr double limit = 12.592, step = 0.03;  // 95 % of chi-squared with 6 degrees of freedom
+    const double turn_squared = squared(turn, turn_expected), move_squared = squared(move, move_expected);
+    count(turn_, turn, turn_squared, fade);
+    count(move_, move, move_squared, fade);
+    factor_ *= turn_squared + move_squared > limit ? std::exp(step) : std::exp(-step * 5.0 / 95.0);
     factor_ = std::clamp(factor_, 0.05, 20.0);
   }
 
-  [[nodiscard]] Matrix3 covariance() const {
-    constexpr double even = 0.3;
-    Matrix3 covariance = (1.0 - even) * factor_ * moment_;
-    covariance.diagonal().array() += even * factor_ * moment_.trace() / 3.0 + 1e-16;
-    return covariance;
-  }
+  [[nodiscard]] Matrix3 turn_covariance() const { return covariance(turn_); }
+  [[nodiscard]] Matrix3 move_covariance() const { return covariance(move_); }
 
  private:
   static constexpr double largest = 50.0;  ///< squared standard deviations that a single error can count for
 
-  Matrix3 moment_;
+  [[nodiscard]] static double squared(const Vector3& error, const Matrix3& expected) {
+    const Vector3 weighted = expected.inverse() * error;
+    return error.dot(weighted);
+  }
+  static void count(Matrix3& moment, const Vector3& error, double squared, double fade) {
+    moment = fade * moment + (1.0 - fade) * std::min(1.0, largest / squared) * error * error.transpose();
+  }
+  [[nodiscard]] Matrix3 covariance(const Matrix3& moment) const {
+    constexpr double even = 0.3;
+    Matrix3 covariance = (1.0 - even) * factor_ * moment;
+    covariance.diagonal().array() += even * factor_ * moment.trace() / 3.0 + 1e-16;
+    return covariance;
+  }
+
+  Matrix3 turn_, move_;  ///< second moments
   double factor_ = 1.25;
 };
 

@@ -41,7 +41,7 @@ class HorizonLearner {
   explicit HorizonLearner(const HorizonLearnerSettings& settings = {}) : settings_(settings) {
     for (std::size_t k = 0; k < horizons.size(); ++k) {
       const double h = horizons[k];
-      learners_.push_back({{}, {}, ErrorSpread(1e-3 + 5.0 * h * h), ErrorSpread(1e-3 + 1.0 * h * h)});
+      learners_.push_back({{}, {}, ErrorSpread(1e-3 + 5.0 * h * h, 1e-3 + 1.0 * h * h)});
       publish(k, h);
     }
   }
@@ -100,7 +100,7 @@ class HorizonLearner {
   struct Learner {
     FadingLeastSquares<MotionTrend::turns> turn;
     FadingLeastSquares<MotionTrend::moves> move;
-    ErrorSpread turn_spread, move_spread;
+    ErrorSpread spread;
   };
 
   [[nodiscard]] const Moment* nearest(HostTime t, double horizon) const {
@@ -130,8 +130,8 @@ class HorizonLearner {
     const double scale = horizons[k] / (h + trend.gap);
     const double fade = std::exp(-since / settings_.spread_memory_s);
     const Vector3 turn_error = so3::log<double>(X.q().conjugate() * pose.X_WB.q());
-    learner.turn_spread.add(scale * turn_error, said.turn_covariance, fade);
-    learner.move_spread.add(scale * (pose.X_WB.p() - X.p()), said.move_covariance, fade);
+    learner.spread.add(scale * turn_error, scale * (pose.X_WB.p() - X.p()), said.turn_covariance, said.move_covariance,
+                       fade);
 
     const double weights_fade = std::exp(-since / settings_.memory_s);
     learner.turn.add(turns, turned, weights_fade);
@@ -147,8 +147,8 @@ class HorizonLearner {
     move[0] = h * s.speed;
     move[3] = h * h * h / 6.0 * s.jerk;
     weights_[k] = {learners_[k].turn.solve(usual_turn_weights(), s.ridge, turn),
-                   learners_[k].move.solve(usual_move_weights(), s.ridge, move), learners_[k].turn_spread.covariance(),
-                   learners_[k].move_spread.covariance()};
+                   learners_[k].move.solve(usual_move_weights(), s.ridge, move), learners_[k].spread.turn_covariance(),
+                   learners_[k].spread.move_covariance()};
   }
 
   HorizonLearnerSettings settings_;

@@ -121,7 +121,7 @@ class InertialPredictor {
 
  private:
   static constexpr Duration longest_silence = std::chrono::milliseconds(50), rare = std::chrono::milliseconds(12);
-  static constexpr int new_clock_after = 50;  ///< readings that go back in a row
+  static constexpr int new_clock_after = 10;  ///< readings in a row that are older than the newest
 
   bool refuse_backwards(const InertialReading& reading) {
     gyro_.report(SensorFault::time_backwards, previous_.t);

@@ -119,9 +119,13 @@ class InertialFilter {
 
   /// Without the accelerometer the velocity stays, more or less.
   void use_force(bool yes) { uses_force_ = yes; }
+  /// Their clock may have jumped: the time offset is to be found anew.
   void forget_readings() {
     history_.clear();
     rate_trend_.restart();
+    P_.row(InertialState::offset).setZero();
+    P_.col(InertialState::offset).setZero();
+    P_(InertialState::offset, InertialState::offset) = settings_.time_offset_s * settings_.time_offset_s;
   }
 
   [[nodiscard]] bool is_started() const { return started_; }

@@ -11,6 +11,7 @@
 /// Units: rad/s, m/s^2. Bad input: anything; that is what it is for.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -90,9 +91,10 @@ class TurnComparison {
     difference_ += 0.02 * ((turn_by_gyro - turn_by_poses).squaredNorm() - difference_);
     turned_ += 0.02 * (turn_by_poses.squaredNorm() - turned_);
   }
-  /// Half of the turn is missed, and it is more than the poses' noise (rad, per axis).
+  /// Half of the turn is missed, and it is more than the poses' noise (rad, per axis), if that is believable.
   [[nodiscard]] bool contradicts(double noise) const {
-    return difference_ > 0.25 * turned_ && difference_ > 2.5e-5 + 30.0 * noise * noise;
+    const double believable = std::min(noise, 0.005);
+    return difference_ > 0.25 * turned_ && difference_ > 2.5e-5 + 12.0 * believable * believable;
   }
 
  private:

@@ -133,8 +133,8 @@ std::optional<double> rms_error_px(const Motion& motion, const ExperimentSetting
   std::size_t count = 0;
   const std::size_t frames = frames_of(motion, settings);
   const std::size_t stride = std::max<std::size_t>(1, frames / 100);
-  const detail::FramePlanOfExperiment plan = detail::plan_frames(motion, settings);
-  detail::ExperimentRun run(motion, settings, scene, detail::Measures::errors);
+  const holdfast::detail::FramePlanOfExperiment plan = holdfast::detail::plan_frames(motion, settings);
+  holdfast::detail::ExperimentRun run(motion, settings, scene, holdfast::detail::Measures::errors);
   for (std::size_t i = 0; i < frames; i += stride) {
     run.frame(i, plan.middle_of(i), [&](const FrameRecord& frame) {
       for (const FiducialRecord& f : frame.fiducials) {
@@ -267,7 +267,7 @@ std::vector<ResultJson> frequency_charts(std::span<const ExperimentSettings> var
     for (const Response& r : responses) {
       const std::string_view style = holdfast::name_of(r.first);
       (*chart)["series"].push_back({{"name", r.name}, {"style", style}, {"points", true}});
-      if (!detail::order_of(r.settings.pipeline)) continue;
+      if (!holdfast::detail::order_of(r.settings.pipeline)) continue;
       (*chart)["series"].push_back({{"name", r.name + ", theory"}, {"style", style}, {"dashed", true}});
     }
   }
@@ -290,7 +290,7 @@ std::vector<ResultJson> frequency_charts(std::span<const ExperimentSettings> var
     const double hz = 0.2 * std::pow(50.0, static_cast<double>(i) / points);  // 0.2 to 10 Hz
     ResultJson gain_row = {rounded(hz)}, lag_row = {rounded(hz)};
     for (const Response& r : responses) {
-      const std::optional<theory::Order> order = detail::order_of(r.settings.pipeline);
+      const std::optional<theory::Order> order = holdfast::detail::order_of(r.settings.pipeline);
       const double interval_s = to_seconds(prediction_interval(r.settings));
       // Without a closed form the phase is taken near that of the same interval at constant velocity.
       const double phase_theory =

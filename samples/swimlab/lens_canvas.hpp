@@ -1,7 +1,6 @@
 /// An SVG picture of a rectangle of any unit, Y up, shown as large as fits: what the pictures of a lens are drawn on.
 #pragma once
 
-#include <cstdio>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,14 +8,9 @@
 #include <holdfast/geometry/types.hpp>
 #include <holdfast/optics/tangents.hpp>
 
-namespace swimlab {
+#include "text.hpp"
 
-/// As printf writes it; cut off after 511 characters.
-std::string text_of(const char* format, auto... values) {
-  char text[512];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
+namespace swimlab {
 
 class LensCanvas {
  public:

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
+
+#include "text.hpp"
 
 namespace swimlab {
 
@@ -26,15 +27,8 @@ std::size_t stride_of(const RangeTrack& track) {
 }
 
 /// To a tenth of a millimetre: charts need no more.
-ResultJson rounded(double value) {
+ResultJson to_tenth_of_mm(double value) {
   return io::number_or_null(std::round(1e4 * value) / 1e4);
-}
-
-template <typename... Values>
-std::string text_of(const char* format, Values... values) {
-  char text[512];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
 }
 
 ResultJson time_chart(const char* id, const char* title, const char* label, const std::string& caption) {
@@ -52,9 +46,9 @@ ResultJson error_chart(const std::vector<RangeTrack>& tracks) {
   chart["logToggle"] = true;
   for (const VariantLook& look : looks) chart["series"].push_back({{"name", look.words}, {"style", look.style}});
   for (std::size_t i = 0; i < tracks.front().places.size(); i += stride_of(tracks.front())) {
-    ResultJson row = ResultJson::array({rounded(tracks.front().places[i].t_s)});
+    ResultJson row = ResultJson::array({to_tenth_of_mm(tracks.front().places[i].t_s)});
     for (const RangeTrack& track : tracks)
-      row.push_back(rounded((track.places[i].p_W - track.places[i].true_W).norm()));
+      row.push_back(to_tenth_of_mm((track.places[i].p_W - track.places[i].true_W).norm()));
     chart["rows"].push_back(std::move(row));
   }
   return chart;
@@ -66,9 +60,9 @@ ResultJson height_chart(const std::vector<RangeTrack>& tracks, const Vector3& up
   for (const VariantLook& look : looks) chart["series"].push_back({{"name", look.words}, {"style", look.style}});
   chart["series"].push_back({{"name", "truth"}, {"style", "ink"}, {"dashed", true}});
   for (std::size_t i = 0; i < tracks.front().places.size(); i += stride_of(tracks.front())) {
-    ResultJson row = ResultJson::array({rounded(tracks.front().places[i].t_s)});
-    for (const RangeTrack& track : tracks) row.push_back(rounded(track.places[i].p_W.dot(up_W)));
-    row.push_back(rounded(tracks.front().places[i].true_W.dot(up_W)));
+    ResultJson row = ResultJson::array({to_tenth_of_mm(tracks.front().places[i].t_s)});
+    for (const RangeTrack& track : tracks) row.push_back(to_tenth_of_mm(track.places[i].p_W.dot(up_W)));
+    row.push_back(to_tenth_of_mm(tracks.front().places[i].true_W.dot(up_W)));
     chart["rows"].push_back(std::move(row));
   }
   return chart;
@@ -182,10 +176,10 @@ ResultJson table(const std::vector<RangeTrack>& tracks) {
                      {"rows", ResultJson::array()}};
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     const RangeRow& row = tracks[i].row;
-    json["rows"].push_back({looks[i].words, rounded(row.position.rms()), rounded(row.position.peak()),
-                            rounded(row.horizontal.rms()), rounded(row.height.rms()),
-                            rounded(degrees_per_rad * row.angle.rms()),
-                            rounded(100.0 * static_cast<double>(row.gated) / static_cast<double>(row.ranges))});
+    json["rows"].push_back({looks[i].words, to_tenth_of_mm(row.position.rms()), to_tenth_of_mm(row.position.peak()),
+                            to_tenth_of_mm(row.horizontal.rms()), to_tenth_of_mm(row.height.rms()),
+                            to_tenth_of_mm(degrees_per_rad * row.angle.rms()),
+                            to_tenth_of_mm(100.0 * static_cast<double>(row.gated) / static_cast<double>(row.ranges))});
   }
   return json;
 }

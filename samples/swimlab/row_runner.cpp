@@ -1,7 +1,6 @@
 #include "row_runner.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numbers>
 
@@ -10,16 +9,13 @@
 #include <holdfast/registration/shown_point.hpp>
 #include <holdfast/rendering/coverage_mask.hpp>
 
+#include "stopwatch.hpp"
+
 namespace swimlab {
 
 using namespace holdfast;
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-double ms_since(Clock::time_point begin) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
-}
 
 /// `n` of `count` frames, evenly spaced, first and last among them.
 std::vector<std::size_t> evenly_spaced(std::size_t count, std::size_t n) {
@@ -47,7 +43,7 @@ using Boxes = std::vector<std::optional<Box>>;
 /// edge, and may push discs together or out of the picture. Nothing where part of the disc is not seen.
 template <typename Seen>
 std::optional<Box> seen_box(const Disc& disc, const Seen& seen) {
-  const std::array<Vector3, 2> across_W = detail::basis_across(disc.normal_W);
+  const std::array<Vector3, 2> across_W = holdfast::detail::basis_across(disc.normal_W);
   std::optional<Box> box;
   for (int i = 0; i < 8; ++i) {
     const double angle = std::numbers::pi * i / 4.0;
@@ -196,7 +192,7 @@ PictureFrame RowRunner::picture(const Motion& motion, const ExperimentSettings& 
     studio_.draw_real(eye, settings.lens, timing, X_WE_at, rendering::real_style(), Smooth::yes, picture);
   });
   studio_.draw_virtual(frame.shown, eye, settings.lens, timing, rendering::virtual_style(), Smooth::yes, drawn_);
-  const auto keeping = Clock::now();
+  const Stopwatch keeping;
   PictureFrame result;
   result.t_s = to_seconds(frame.t_display - motion.begin());
   result.rms_px = frame.rms_px.value_or(0.0);
@@ -223,7 +219,7 @@ PictureFrame RowRunner::picture(const Motion& motion, const ExperimentSettings& 
     result.detail_middle = {middle->x() - x, like.height - (middle->y() - y)};
     add_arrows(*result.detail, Vector2(x, y), 1.0);
   }
-  const double ms = ms_since(keeping);
+  const double ms = keeping.milliseconds();
   timing_.encode_ms += ms;
   timing_.frame_loop_ms -= ms;  // the caller counts the whole loop
   return result;
@@ -241,16 +237,16 @@ RowResult RowRunner::run(const Motion& motion, const ExperimentSettings& setting
     if (kept.size() < measured.size() && frame.index == measured[kept.size()]) kept.push_back(frame);
     if (frame.rms_px && (!worst || *frame.rms_px > 1.02 * *worst->rms_px)) worst = frame;
   };
-  const auto measuring = Clock::now();
+  const Stopwatch measuring;
   ExperimentResult experiment = run_experiment(motion, settings, scene_, observe);
   if (experiment.status != ExperimentStatus::ok) {
     throw io::InputError({.key = "motion " + settings.motion_name, .problem = experiment.problem});
   }
-  const double metrics_ms = ms_since(measuring);
+  const double metrics_ms = measuring.milliseconds();
   timing_.metrics_ms += metrics_ms;
   result.row = std::move(experiment.row);
 
-  const auto begin = Clock::now();
+  const Stopwatch begin;
   std::size_t drawn_frames = kept.size() + (worst && plan.contact > 0 ? 1 : 0);
   drawn_frames = std::min(drawn_frames, result.row.frames);
   timing_.frame_loop_ms += metrics_ms * static_cast<double>(drawn_frames) / static_cast<double>(result.row.frames);
@@ -267,7 +263,7 @@ RowResult RowRunner::run(const Motion& motion, const ExperimentSettings& setting
   }
   if (worst && plan.contact > 0) result.worst = picture(motion, settings, *worst, 1);
   result.row.picture_vs_theory_px = errors.rms();
-  timing_.frame_loop_ms += ms_since(begin);
+  timing_.frame_loop_ms += begin.milliseconds();
   return result;
 }
 

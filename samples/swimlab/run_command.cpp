@@ -19,6 +19,7 @@
 #include "progress.hpp"
 #include "report.hpp"
 #include "row_runner.hpp"
+#include "stopwatch.hpp"
 #include "studio.hpp"
 
 namespace swimlab {
@@ -27,11 +28,6 @@ using namespace holdfast;
 using io::ResultJson;
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-double ms_since(Clock::time_point begin) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
-}
 
 HmdModel headset(const RunOptions& options) {
   if (options.hmd.empty()) return default_hmd(options.size.value_or(PixelSize{1280, 720}));
@@ -371,9 +367,9 @@ int run(const RunOptions& options) {
     if (options.full) plan.measured = 5;
     if (options.full && !is_shown(tasks, task)) plan.contact = 0;
     results.push_back(runner.run(*task.motion->motion, task.settings, plan));
-    const auto encoding = Clock::now();
+    const Stopwatch encoding;
     write_pictures(folder.path() / "pictures", results.back());
-    encode_ms += ms_since(encoding);
+    encode_ms += encoding.milliseconds();
   }
   const double draw_ms = studio.draw_readback_ms() - checks_draw_ms;
   const std::size_t pictures = studio.pictures() - checks_pictures;
@@ -394,7 +390,7 @@ int run(const RunOptions& options) {
   summary["not_available"] = not_available_json(options.not_available);
 
   progress.show(tasks.size() + 1, "report");
-  const auto reporting = Clock::now();
+  const Stopwatch reporting;
   summary["timing"] = {{"draw_readback_ms", io::number_or_null(draw_ms)},
                        {"frame_loop_ms", io::number_or_null(frame_loop_ms)},
                        {"ratio", io::number_or_null(frame_loop_ms / draw_ms)},
@@ -404,7 +400,7 @@ int run(const RunOptions& options) {
                        {"pictures", pictures}};
   const ResultJson data = report_data(summary, tasks, results, motions, scene);
   io::write_whole_file(folder.path() / "report.html", report_page(data));
-  const double report_ms = ms_since(reporting);
+  const double report_ms = reporting.milliseconds();
   summary["timing"]["report_ms"] = report_ms;
   io::write_whole_file(folder.path() / "rows.csv", io::rows_csv(rows));
   io::write_whole_file(folder.path() / "summary.json", io::json_text(summary));

@@ -1,12 +1,13 @@
 #include "studio.hpp"
 
-#include <chrono>
 #include <cstdio>
 
 #include <holdfast/registration/fiducial_error.hpp>
 #include <holdfast/registration/shown_point.hpp>
 #include <holdfast/rendering/rolling.hpp>
 #include <holdfast/scene/load_model.hpp>
+
+#include "stopwatch.hpp"
 
 namespace swimlab {
 
@@ -15,18 +16,16 @@ using namespace holdfast::rendering;
 
 namespace {
 
-class Stopwatch {
+class TimeAdder {
  public:
-  explicit Stopwatch(double& sum_ms) : sum_ms_(sum_ms) {}
-  Stopwatch(const Stopwatch&) = delete;
-  Stopwatch& operator=(const Stopwatch&) = delete;
-  ~Stopwatch() {
-    sum_ms_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin_).count();
-  }
+  explicit TimeAdder(double& sum_ms) : sum_ms_(sum_ms) {}
+  TimeAdder(const TimeAdder&) = delete;
+  TimeAdder& operator=(const TimeAdder&) = delete;
+  ~TimeAdder() { sum_ms_ += stopwatch_.milliseconds(); }
 
  private:
   double& sum_ms_;
-  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  Stopwatch stopwatch_;
 };
 
 /// The i-th of n parts of a band, cut across its lines.
@@ -59,7 +58,7 @@ Studio::Studio(std::optional<Backend> backend, const RegistrationScene& scene, c
 RenderTarget& Studio::target_of(PixelSize size, int samples, bool is_result) {
   auto& target = targets_[{size.width, size.height, samples, is_result}];
   if (target) return *target;
-  const Stopwatch stopwatch(setup_ms_);
+  const TimeAdder adder(setup_ms_);
   target = std::make_unique<RenderTarget>(*context_, size.width, size.height, samples);
   return *target;
 }
@@ -76,7 +75,7 @@ WarpMesh& Studio::mesh_of(const EyeModel& eye, LensMode lens) {
                    std::array{t.left, t.right, t.down, t.up});
   const auto known = meshes_.find(key);
   if (known != meshes_.end()) return known->second;
-  const Stopwatch stopwatch(setup_ms_);
+  const TimeAdder adder(setup_ms_);
   return meshes_.try_emplace(key, *context_, seen_mesh(eye, lens)).first->second;
 }
 
@@ -84,7 +83,7 @@ DepthSurfaceTexture& Studio::surface_of(PixelSize size) {
   const std::pair key(size.width, size.height);
   const auto known = surfaces_.find(key);
   if (known != surfaces_.end()) return known->second;
-  const Stopwatch stopwatch(setup_ms_);
+  const TimeAdder adder(setup_ms_);
   return surfaces_.try_emplace(key, *context_, size).first->second;
 }
 
@@ -95,7 +94,7 @@ void Studio::draw_virtual(const ShownPicture& picture, const EyeModel& eye, Lens
     draw_warped(picture, eye, lens, timing, style, target, result);
     return;
   }
-  const Stopwatch stopwatch(draw_readback_ms_);
+  const TimeAdder stopwatch(draw_readback_ms_);
   ++pictures_;
   target.clear(style.background);
   paint({.eye = &eye, .X_WE = picture.view.X_WS}, style);
@@ -109,7 +108,7 @@ void Studio::draw_warped(const ShownPicture& picture, const EyeModel& eye, LensM
   const bool by_depth = picture.is_deflected() && picture.how.kind == DeflectionKind::depth;
   DepthSurfaceTexture* const surface = by_depth ? &surface_of(picture.view.size) : nullptr;
   const EyeModel drawing = drawing_eye(eye, picture.view);
-  const Stopwatch stopwatch(draw_readback_ms_);
+  const TimeAdder stopwatch(draw_readback_ms_);
   ++pictures_;
   source.clear(style.background);
   const View view{.eye = &drawing, .X_WE = picture.view.X_WS};
@@ -128,7 +127,7 @@ void Studio::draw_real(const EyeModel& eye, LensMode lens, const DisplayTiming& 
                        const std::function<Rigid(double)>& X_WE_at, const SceneStyle& style, Smooth smooth,
                        io::Image& result, int bands) {
   RenderTarget& target = target_of(eye.resolution, smooth == Smooth::yes ? std::min(4, info().max_samples) : 1);
-  const Stopwatch stopwatch(draw_readback_ms_);
+  const TimeAdder stopwatch(draw_readback_ms_);
   ++pictures_;
   target.clear(style.background);
   if (timing.scan_out == ScanOut::global) {

@@ -157,7 +157,7 @@ TEST_CASE("on a walk of 12 s the methods rank as in 002") {
   CHECK(rms(mcaat10) < rms(collinearity10));
   CHECK(rms(scaat_autocal_2) < 0.95 * rms(scaat_autocal));
   CHECK(rms(joint) < 0.9 * rms(scaat_autocal));
-  CHECK(rms(joint_models) < rms(scaat));
+  CHECK(rms(joint_models) < 1.1 * rms(joint));  // its model of rest does not believe in steady motion
   CHECK(rows[scaat_autocal].three_point.peak() < 0.004);
   CHECK(rows[joint].three_point.peak() < 0.004);
   CHECK(noise[scaat_autocal] < 0.1 * noise[collinearity10]);
@@ -170,6 +170,8 @@ TEST_CASE("on a walk of 12 s the methods rank as in 002") {
   CHECK(rows[scaat_autocal].nees < 2.0);
   CHECK(rows[joint].nees > 0.2);  // half a minute of one seed scatters; docs/tracking.md has the means of longer runs
   CHECK(rows[joint].nees < 2.0);
+  CHECK(rows[joint_models].nees > 0.2);
+  CHECK(rows[joint_models].nees < 2.0);
   CHECK(rows[mcaat3].beacons);
   CHECK_FALSE(rows[scaat].beacons);
 
@@ -229,19 +231,47 @@ TEST_CASE("SCAAT finds the pose from nothing, and again after each of four block
   CHECK(in_time == static_cast<int>(recoveries.size()));
 }
 
-TEST_CASE("one wrong identification in five hardly harms SCAAT") {
+TEST_CASE("one wrong identification in five: turned away, and most count under their right names") {
   const Walk walk(std::chrono::seconds(8));
   std::vector<BeaconSighting> wrong = walk.stream;
   misidentify(wrong, walk.simulator, 0.2, 1);
-  long wrongs = 0, gated = 0;
-  const TrackRow harmed = walk.run(TrackMethod::scaat_autocal, wrong, [&](const TrackMoment& m) {
-    wrongs += m.sighting.faults.wrong_beacon;
-    gated += m.sighting.faults.wrong_beacon && m.tracker.turned_away();
-  });
-  const TrackRow good = walk.run(TrackMethod::scaat_autocal, walk.stream);
-  CHECK(wrongs > 1000);
-  CHECK(gated >= 0.99 * static_cast<double>(wrongs));
-  CHECK(harmed.three_point.rms() < 1.5 * good.three_point.rms());
+  for (const TrackMethod method : {TrackMethod::scaat_autocal, TrackMethod::joint}) {
+    CAPTURE(std::string(name_of(method)));
+    TrackParameters parameters = track_parameters(method);
+    const TrackRow good = walk.run(method, walk.stream);
+    const auto harmed = [&](int renamed_in_a_row) {
+      parameters.renamed_in_a_row = renamed_in_a_row;
+      long wrongs = 0, gated = 0;
+      const TrackRow row = run_method(method, parameters, walk.rig(), walk.truth, wrong, [&](const TrackMoment& m) {
+        wrongs += m.sighting.faults.wrong_beacon;
+        gated += m.sighting.faults.wrong_beacon && m.tracker.turned_away();
+      });
+      CHECK(wrongs > 1000);
+      CHECK(gated >= 0.99 * static_cast<double>(wrongs));
+      CHECK(row.updates - row.renamed + row.gated == row.sightings);
+      MESSAGE(name_of(method), ": ", 1e3 * good.three_point.rms(), " mm, harmed ", 1e3 * row.three_point.rms());
+      if (renamed_in_a_row > 0) CHECK(row.renamed >= 0.99 * static_cast<double>(wrongs));
+      if (renamed_in_a_row == 0) CHECK(row.renamed == 0);
+      return row.three_point.rms();
+    };
+    CHECK(harmed(12) < 1.1 * good.three_point.rms());
+    CHECK(harmed(0) < 1.5 * good.three_point.rms());
+  }
+}
+
+TEST_CASE("a filter that is off by a period of the ceiling does not rename everything: it searches") {
+  const SplineTrajectory rest = still_hiball(std::chrono::milliseconds(500));
+  const HiBallSimulator simulator(hiball_rig(), rest);
+  const std::vector<BeaconSighting> stream = sighting_stream(simulator);
+  const TrackParameters parameters = track_parameters(TrackMethod::scaat_autocal);
+  DeviceTable<3> beacons = beacon_table(simulator.rig(), parameters.beacons, true);
+  TargetState<2> off = starting_state(rest, stream.front().t);
+  off.X_WB = Rigid::translation(Vector3(CeilingLayout::period_x_m, 0.0, 0.0)) * off.X_WB;
+  ScaatTracker tracker(simulator.rig(), beacons, off, parameters.process, {.gate = parameters.gate});
+  const TrackRow row = run_tracker(tracker, stream, rest);
+  CHECK(row.renamed == RenamingSettings().in_a_row);  // all would fit
+  CHECK(tracker.searches() == 1);
+  CHECK((tracker.X_WB().p() - rest.at(rest.end()).X_WB.p()).norm() < 0.005);  // beacons are 1.7 mm off
 }
 
 TEST_CASE("an empty stream gives a row of zeros") {

@@ -5,38 +5,61 @@
 /// (measurement_ordering.hpp says why); the tracker tells what each would take from the error of the three points of
 /// three_point_error.hpp along their weakest direction. When it cannot tell, the camera that looked longest ago comes next.
 /// As with the blind orders the choice is among what is truly visible.
-/// Bad input: `resting_cameras` below 0 is none.
+/// At first all take turns (round-robin). While LEDs are learnt it is the first sightings of each that tie them to the
+/// world; a tracker that chooses already then leaves some untied, and is half as far off again ever after.
+/// Bad input: numbers below 0 are none.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <holdfast/registration/three_point_error.hpp>
 #include <holdfast/simulation/hiball_trackers.hpp>
+#include <holdfast/simulation/sighting_stream.hpp>
 
 namespace holdfast {
 
+struct InformedOrderSettings {
+  double resting = 2.0 / 3.0;                       ///< share of the cameras, those that looked last, that are left out
+  Duration turns = std::chrono::milliseconds(300);  ///< at first
+};
+
 class InformedOrder {
  public:
-  /// The simulator must outlive it. `resting_cameras`: those that looked last and are left out.
-  InformedOrder(const HiBallSimulator& simulator, int resting_cameras)
-      : simulator_(&simulator), resting_cameras_(resting_cameras) {
-    last_look_.assign(simulator.rig().cameras.size(), -1 - resting_cameras);
+  /// The simulator must outlive it.
+  explicit InformedOrder(const HiBallSimulator& simulator, const InformedOrderSettings& settings = {})
+      : simulator_(&simulator), schedule_(simulator, SightingOrder::round_robin) {
+    const std::size_t cameras = simulator.rig().cameras.size();
+    resting_ = static_cast<std::int64_t>(settings.resting * static_cast<double>(cameras) + 1e-9);
+    turns_end_ = simulator.truth().begin() + settings.turns;
+    last_look_.assign(cameras, -resting_);
     last_use_.assign(simulator.rig().beacons_W.size(), -1);
   }
-  /// Half of the cameras rest.
-  explicit InformedOrder(const HiBallSimulator& simulator)
-      : InformedOrder(simulator, static_cast<int>(simulator.rig().cameras.size()) / 2) {}
 
   /// The next sighting, at time t; nothing when no camera sees anything.
   [[nodiscard]] std::optional<BeaconSighting> next(HostTime t, HiBallTracker& tracker) {
     const Rigid X_WB = simulator_->pose_at(t);
+    std::optional<BeaconSighting> sighting;
+    if (t < turns_end_) {
+      if (const auto turn = schedule_.next(X_WB)) sighting = simulator_->sight(t, X_WB, turn->first, turn->second);
+    } else {
+      sighting = best(t, X_WB, tracker);
+    }
+    if (sighting) last_look(sighting->camera) = last_use(sighting->beacon) = ++looks_;
+    return sighting;
+  }
+
+ private:
+  [[nodiscard]] std::optional<BeaconSighting> best(HostTime t, const Rigid& X_WB, HiBallTracker& tracker) {
     const std::optional<Matrix6> weight = weakest(tracker);
     std::optional<BeaconSighting> best;
     double most = -1.0;
     for (const bool all : {false, true}) {  // where only those see anything that should rest, one of them looks
       for (int camera = 0; camera < static_cast<int>(last_look_.size()) && (!all || !best); ++camera) {
-        if (!all && looks_ - last_look(camera) <= resting_cameras_) continue;
+        if (!all && looks_ - last_look(camera) < resting_) continue;
         simulator_->visible(X_WB, camera, visible_);
         if (visible_.empty()) continue;
         const int beacon = *std::ranges::min_element(visible_, {}, [&](int b) { return last_use(b); });
@@ -48,11 +71,9 @@ class InformedOrder {
         }
       }
     }
-    if (best) last_look(best->camera) = last_use(best->beacon) = ++looks_;
     return best;
   }
 
- private:
   [[nodiscard]] static std::optional<Matrix6> weakest(const HiBallTracker& tracker) {
     if (tracker.state() == nullptr) return std::nullopt;
     const TargetState<2>& state = *tracker.state();
@@ -64,7 +85,9 @@ class InformedOrder {
   std::int64_t& last_use(int beacon) { return last_use_[static_cast<std::size_t>(beacon)]; }
 
   const HiBallSimulator* simulator_;
-  int resting_cameras_;
+  SightingSchedule schedule_;
+  std::int64_t resting_ = 0;
+  HostTime turns_end_;
   std::vector<std::int64_t> last_look_, last_use_;  ///< of each camera and beacon
   std::vector<int> visible_;
   std::int64_t looks_ = 0;

@@ -127,7 +127,7 @@ class HorizonLearner {
     // What was said then, scaled to the horizon's own length.
     const HorizonWeights& said = then.weights[k];
     const Rigid X = trend.carried(turns * said.turn, moves * said.move);
-    const double scale = horizons[k] / (h + trend.gap);
+    const double ratio = horizons[k] / (h + trend.gap), scale = ratio > 1.0 ? ratio * ratio : ratio;  // the safe side
     const double fade = std::exp(-since / settings_.spread_memory_s);
     const Vector3 turn_error = so3::log<double>(X.q().conjugate() * pose.X_WB.q());
     learner.spread.add(scale * turn_error, scale * (pose.X_WB.p() - X.p()), said.turn_covariance, said.move_covariance,

@@ -32,16 +32,17 @@ struct InertialFilterSettings {
   double rate_noise = 5e-4;          ///< of the gyro, rad/s / sqrt(Hz)
   double rate_scale_error = 0.01;    ///< and this part of what it says
   double force_noise = 0.02;         ///< of the accelerometer, m/s^2 / sqrt(Hz)
+  double swing_m = 0.03;             ///< the sensors sit so far from where they are believed to, when turning fast
   double no_force_noise = 1.0;       ///< of the body's acceleration, where there is no accelerometer
   double rate_bias_walk = 2e-5;      ///< rad/s / sqrt(s)
   double force_bias_walk = 1e-3;     ///< m/s^2 / sqrt(s)
   double gravity_walk = 1e-3;        ///< m/s^2 / sqrt(s)
   double time_offset_walk_s = 1e-5;  ///< s / sqrt(s)
   // Standard deviations at the start.
-  double speed_m_s = 2.0, rate_bias = 0.05, force_bias = 0.2, gravity = 10.0, time_offset_s = 0.01, lever_m = 0.05;
+  double speed_m_s = 2.0, rate_bias = 0.05, force_bias = 0.2, gravity = 10.0, time_offset_s = 0.01, lever_m = 0.03;
   Duration longest_gap = std::chrono::milliseconds(500);  ///< between poses; then it starts anew
-  double gate = 60.0;                                     ///< of the normalised innovation squared, 6 numbers
-  int patience = 4;                                       ///< rejected poses in a row
+  double gate = 1000.0;  ///< of the normalised innovation squared, 6 numbers: gross errors only
+  int patience = 4;      ///< rejected poses in a row
 };
 
 enum class InertialPoseUpdate { started, updated, rejected, refused };
@@ -112,6 +113,11 @@ class InertialFilter {
       set_deviation(InertialState::lever, settings_.lever_m);
       P_(InertialState::offset, InertialState::offset) = settings_.time_offset_s * settings_.time_offset_s;
     }
+    // The sensors' place is as unsure as the lever to it.
+    const Matrix3 R = begin.X_WS.R(), lever = P_.bottomRightCorner<3, 3>(), place_lever = R * lever;
+    P_.block<3, 3>(InertialState::place, InertialState::lever) = place_lever;
+    P_.block<3, 3>(InertialState::lever, InertialState::place) = place_lever.transpose();
+    P_.topLeftCorner<3, 3>() += place_lever * R.transpose();
     started_ = true;
     rejected_ = 0;
     carry_now_from_state();
@@ -180,6 +186,7 @@ class InertialFilter {
     F.block<3, 3>(S::velocity, S::force_bias) = -dt * R;
     F.block<3, 3>(S::velocity, S::gravity).diagonal().setConstant(dt);
     F.block<3, 1>(S::velocity, S::offset) = R * (turned * step.force_end_B - step.force_begin_B);
+    F.block<3, 1>(S::place, S::offset) = 0.5 * dt * F.block<3, 1>(S::velocity, S::offset);
     S::Covariance FP;
     FP.noalias() = F.lazyProduct(P_);
     P_.noalias() = FP.lazyProduct(F.transpose());
@@ -193,7 +200,9 @@ class InertialFilter {
     using S = InertialState;
     const auto square = [](double x) { return x * x; };
     const double turn = square(settings_.rate_noise) + 0.05 * square(settings_.rate_scale_error) * rate_squared;
-    const double force = square(uses_force_ ? settings_.force_noise : settings_.no_force_noise);
+    const double swing = settings_.swing_m * rate_squared;
+    const double force =
+        square(uses_force_ ? settings_.force_noise : settings_.no_force_noise) + 1.25e-4 * swing * swing;
     for (int i = 0; i < 3; ++i) {
       P_(S::turn + i, S::turn + i) += turn * dt;
       P_(S::place + i, S::place + i) += force * dt * dt * dt / 3.0;
@@ -241,7 +250,7 @@ class InertialFilter {
 
   /// What the state's covariance does not explain of the residual is the pose's noise; the last hundred poses count.
   void adapt_noise(const Vector6& residual, const Matrix6& explained) {
-    constexpr double gain = 0.01, smallest_m2 = 1e-10, smallest_rad2 = 1e-10;
+    constexpr double gain = 0.01, smallest_m2 = 2.5e-9, smallest_rad2 = 1e-10;
     const auto adapt = [](double& variance, double square, double known, double smallest) {
       const double excess = std::min(square, 25.0 * (known + variance)) - known;
       variance += gain * (std::max(excess, smallest) - variance);

@@ -24,6 +24,13 @@ inline SplineTrajectory swaying_hiball(double seconds) {
   return SplineTrajectory(poses);
 }
 
+/// All measurements count.
+inline ScaatSettings no_gate() {
+  ScaatSettings settings;
+  settings.gate.probability = 1.0;
+  return settings;
+}
+
 struct HiBallScene {
   SplineTrajectory truth;
   HiBallSimulator simulator;

@@ -92,12 +92,6 @@ std::vector<BeaconSighting> sightings_of_few(const HiBallScene& scene, std::size
   return few;
 }
 
-ScaatSettings no_gate() {
-  ScaatSettings settings;
-  settings.gate.probability = 1.0;
-  return settings;
-}
-
 }  // namespace
 
 TEST_CASE("joint filter: with a slot for each, it is the textbook's filter of target and all devices") {
@@ -179,19 +173,7 @@ struct MatchedWorld {
     }
   }
 
-  void move(HostTime t) {
-    VectorOf<double, 12> d;
-    const Vector6 a = random_vector<6>(random), b = random_vector<6>(random);
-    for (int axis = 0; axis < 6; ++axis) {
-      const Matrix2 Q = chain_step<2>(model.intensity[axis], 0.0, to_seconds(t - truth.t)).Q;
-      const double along = Q(0, 1) / std::sqrt(Q(1, 1));
-      d[6 + axis] = std::sqrt(Q(1, 1)) * a[axis];
-      d[axis] = along * a[axis] + std::sqrt(Q(0, 0) - along * along) * b[axis];
-    }
-    truth.P.setZero();
-    advance(truth, model, t);
-    truth.add(d);
-  }
+  void move(HostTime t) { wander(truth, model, t, random); }
 
   [[nodiscard]] CameraSighting sight(int beacon) {
     CameraSighting sighting{Vector2::Zero(), &camera, uv_variance};

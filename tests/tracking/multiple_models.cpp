@@ -27,22 +27,6 @@ PvModel pv(double intensity) {
   return model;
 }
 
-/// The truth moves as a model says.
-void wander(TargetState<2>& truth, const PvModel& model, HostTime t, Random& random) {
-  TargetState<2>::Error d;
-  const Vector6 a = random_vector<6>(random), b = random_vector<6>(random);
-  for (int axis = 0; axis < 6; ++axis) {
-    const Matrix2 Q = chain_step<2>(model.intensity[axis], 0.0, to_seconds(t - truth.t)).Q;
-    const double velocity = std::sqrt(Q(1, 1));
-    const double along = Q(0, 1) / velocity;
-    d[6 + axis] = velocity * a[axis];
-    d[axis] = along * a[axis] + std::sqrt(Q(0, 0) - along * along) * b[axis];
-  }
-  truth.P.setZero();
-  advance(truth, model, t);
-  truth.add(d);
-}
-
 constexpr double pose_sigma = 1e-3;  // m and rad
 
 PoseMeasurement measured(const TargetState<2>& truth, Random& random) {
@@ -67,12 +51,6 @@ struct Beginning {
     truth.add(d.cwiseProduct(sigma));
   }
 };
-
-ScaatSettings no_gate() {
-  ScaatSettings settings;
-  settings.gate.probability = 1.0;
-  return settings;
-}
 
 }  // namespace
 

@@ -156,19 +156,6 @@ class JointFilter : public MeasurementIntake<JointFilter<Order, Size, Devices, C
     }
   }
 
-  /// Each model's mixture, carried to t, in `next`, with the device in its slot; and c_j. False when one cannot be carried.
-  [[nodiscard]] bool mix(HostTime t, Joints& next, Weights& arriving) const {
-    const double dt = to_seconds(t - combined_.t);
-    const Joints& now = states_[current_];
-    for (std::size_t j = 0; j < Count; ++j) {
-      const Weights weights = chain_.mixing(set_, j, dt, arriving[j]);
-      const bool carried = Count == 1 ? detail::advance_lower(now[j], set_.models[j], t, next[j])
-                                      : detail::advance_lower(moment_matched(now, weights), set_.models[j], t, next[j]);
-      if (!carried) return false;
-    }
-    return true;
-  }
-
   template <Measurement M>
   UpdateStatus try_update(HostTime t, const M& measurement, const DeviceSlot<M::source_size>& source,
                           const DeviceSlot<M::sensor_size>& sensor) {
@@ -176,7 +163,12 @@ class JointFilter : public MeasurementIntake<JointFilter<Order, Size, Devices, C
 
     Joints& next = states_[1 - current_];
     Weights arriving;
-    if (!mix(t, next, arriving)) return UpdateStatus::not_finite;
+    const auto carry = [&](const Joint& from, const ProcessModel<Order>& model, Joint& to) {
+      return detail::advance_lower(from, model, t, to);
+    };
+    if (!chain_.mix(set_, to_seconds(t - combined_.t), states_[current_], next, arriving, carry)) {
+      return UpdateStatus::not_finite;
+    }
     if constexpr (M::state_size > 6) {  // C takes more than the pose's columns
       for (Joint& joint : next) detail::mirror_lower<6 * Order>(joint.target.P);
     }

@@ -53,6 +53,32 @@ class ModelChain {
 
   [[nodiscard]] const Weights& probabilities() const { return probabilities_; }
 
+  /// The step "mix": each model's mixture, which carry(from, model, to) takes to its place in `next`; and c_j. False when a
+  /// state cannot be carried.
+  template <int Order, typename State>
+  [[nodiscard]] bool mix(const ModelSet<Order, Count>& set, double dt, const std::array<State, Count>& now,
+                         std::array<State, Count>& next, Weights& arriving, const auto& carry) const {
+    for (std::size_t j = 0; j < Count; ++j) {
+      const Weights weights = mixing(set, j, dt, arriving[j]);
+      const bool carried = Count == 1 ? carry(now[j], set.models[j], next[j])
+                                      : carry(moment_matched(now, weights), set.models[j], next[j]);
+      if (!carried) return false;
+    }
+    return true;
+  }
+
+  /// mu_j = c_j N_j, scaled. Logarithms first: a density may be too small for a number.
+  void weigh(const Weights& arriving, const Weights& log_likelihoods) {
+    if (Count == 1) return;
+    Weights logs;
+    for (std::size_t j = 0; j < Count; ++j) logs[j] = std::log(arriving[j]) + log_likelihoods[j];
+    const double most = *std::max_element(logs.begin(), logs.end());
+    double sum = 0.0;
+    for (double& weight : logs) sum += weight = std::exp(weight - most);
+    for (std::size_t j = 0; j < Count; ++j) probabilities_[j] = logs[j] / sum;
+  }
+
+ private:
   /// p_ij mu_i / c_j of all i, for model j after dt seconds, and c_j.
   template <int Order>
   [[nodiscard]] Weights mixing(const ModelSet<Order, Count>& set, std::size_t j, double dt, double& arriving) const {
@@ -72,18 +98,6 @@ class ModelChain {
     return weights;
   }
 
-  /// mu_j = c_j N_j, scaled. Logarithms first: a density may be too small for a number.
-  void weigh(const Weights& arriving, const Weights& log_likelihoods) {
-    if (Count == 1) return;
-    Weights logs;
-    for (std::size_t j = 0; j < Count; ++j) logs[j] = std::log(arriving[j]) + log_likelihoods[j];
-    const double most = *std::max_element(logs.begin(), logs.end());
-    double sum = 0.0;
-    for (double& weight : logs) sum += weight = std::exp(weight - most);
-    for (std::size_t j = 0; j < Count; ++j) probabilities_[j] = logs[j] / sum;
-  }
-
- private:
   Weights probabilities_;
 };
 
@@ -174,16 +188,6 @@ class MultipleModelFilter : public MeasurementIntake<MultipleModelFilter<Order, 
  private:
   using States = std::array<State, Count>;
 
-  /// Each model's mixed state, carried to t, in `next`; and c_j. False when a state cannot be carried.
-  [[nodiscard]] bool mix(HostTime t, States& next, Weights& arriving) const {
-    const double dt = to_seconds(t - combined_.t);
-    for (std::size_t j = 0; j < Count; ++j) {
-      const Weights weights = chain_.mixing(set_, j, dt, arriving[j]);
-      if (!detail::advance_lower(moment_matched(states_[current_], weights), set_.models[j], t, next[j])) return false;
-    }
-    return true;
-  }
-
   template <Measurement M>
   UpdateStatus try_update(HostTime t, const M& measurement, const DeviceSlot<M::source_size>& source,
                           const DeviceSlot<M::sensor_size>& sensor) {
@@ -191,7 +195,12 @@ class MultipleModelFilter : public MeasurementIntake<MultipleModelFilter<Order, 
 
     States& next = states_[1 - current_];
     Weights arriving;
-    if (!mix(t, next, arriving)) return UpdateStatus::not_finite;
+    const auto carry = [&](const State& from, const ProcessModel<Order>& model, State& to) {
+      return detail::advance_lower(from, model, t, to);
+    };
+    if (!chain_.mix(set_, to_seconds(t - combined_.t), states_[current_], next, arriving, carry)) {
+      return UpdateStatus::not_finite;
+    }
     if constexpr (M::state_size > 6) {  // C takes more than the pose's columns
       for (State& state : next) detail::mirror_lower<6 * Order>(state.P);
     }

@@ -10,8 +10,6 @@
 #include <vector>
 
 #include <holdfast/io/track_results.hpp>
-#include <holdfast/io/trajectory.hpp>
-#include <holdfast/motion/head_motions.hpp>
 #include <holdfast/simulation/ceiling_motion.hpp>
 
 #include "exit_code.hpp"
@@ -21,6 +19,7 @@
 #include "progress.hpp"
 #include "report_page.hpp"
 #include "track_command.hpp"
+#include "track_motion.hpp"
 #include "track_page.hpp"
 #include "track_scenarios.hpp"
 
@@ -45,31 +44,10 @@ std::string_view name_of_scenario(TrackScenario scenario) {
   return found->name;
 }
 
-/// The true motion of the HiBall, and what to call it.
-struct TrueMotion {
-  std::string name;
-  SplineTrajectory motion;
-};
-
 TrueMotion true_motion(const TrackOptions& o) {
-  const Duration length = from_seconds(o.seconds);
-  if (o.request.scenario == TrackScenario::still) return {"at rest", still_hiball(length)};
-  CeilingPlacement placement;
-  if (o.trajectory.empty()) {
-    const std::unique_ptr<Motion> walk = make_walk_around(o.request.seed, length);
-    return {"walk-around", hiball_truth(place_under_ceiling(sample(*walk, std::chrono::milliseconds(10)), placement))};
-  }
-  placement.up_R = o.up_R;
-  std::vector<TimedPose> samples =
-      io::read_trajectory(o.trajectory, o.lenient ? io::ReadMode::lenient : io::ReadMode::strict).samples;
-  const HostTime end = samples.front().t + length;
-  std::erase_if(samples, [&](const TimedPose& pose) { return pose.t > end; });
-  if (samples.size() < 2 || samples.back().t - samples.front().t < std::chrono::seconds(2)) {
-    throw io::InputError({.file = o.trajectory.string(),
-                          .problem = "too short to judge a tracker",
-                          .expected = "two seconds of motion or more"});
-  }
-  return {o.trajectory.filename().string(), hiball_truth(place_under_ceiling(samples, placement))};
+  if (o.request.scenario == TrackScenario::still) return {"at rest", still_hiball(from_seconds(o.seconds))};
+  if (o.trajectory.empty()) return generated_walk(o.request.seed, o.seconds);
+  return recorded_motion({o.trajectory, o.up_R, o.lenient}, o.seconds);
 }
 
 ResultJson row_json(const TrackCaseRow& row) {
@@ -244,10 +222,7 @@ TrackOptions checked(const TrackWords& words) {
   const auto read = std::from_chars(words.seed.data(), end, o.request.seed);
   if (read.ec != std::errc() || read.ptr != end)
     refuse("--seed", "not a seed", words.seed, "a whole number, 0 or more");
-  if (words.up != "x" && words.up != "y" && words.up != "z") {
-    refuse("--up", "unknown axis", words.up, "the recording's axis that points up: x, y or z");
-  }
-  o.up_R = Vector3::Unit(words.up[0] - 'x');
+  o.up_R = up_axis(words.up);
   if (o.request.scenario == TrackScenario::still && !words.trajectory.empty()) {
     refuse("--trajectory", "nothing moves in this scenario", words.trajectory, "another --scenario, or no trajectory");
   }

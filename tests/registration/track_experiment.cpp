@@ -1,4 +1,5 @@
 // The HiBall experiment: its measures against closed forms, and the methods against each other on a short walk.
+#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -8,6 +9,7 @@
 
 #include <holdfast/motion/head_motions.hpp>
 #include <holdfast/registration/track_output.hpp>
+#include <holdfast/registration/track_tuning.hpp>
 #include <holdfast/simulation/ceiling_motion.hpp>
 #include <holdfast/simulation/faults.hpp>
 #include <holdfast/simulation/sighting_stream.hpp>
@@ -283,4 +285,47 @@ TEST_CASE("an empty stream gives a row of zeros") {
     CHECK(row.three_point.rms() == 0.0);
     CHECK(std::isnan(row.nees));
   }
+}
+
+TEST_CASE("tuning: settings become values and settings again, and cost what their runs do") {
+  for (const TrackMethod method : track_methods) {
+    CAPTURE(std::string(name_of(method)));
+    const TrackParameters start = track_parameters(method);
+    const std::vector<TunedParameter> list = tuned_parameters(method, start);
+    CHECK(list.size() == (method == TrackMethod::collinearity10 ? 0U : start.autocalibrate ? 7U : 6U));
+    if (list.empty()) continue;
+    std::vector<double> values;
+    for (const TunedParameter& parameter : list) {
+      CHECK_FALSE(parameter.problem());
+      values.push_back(parameter.start);
+    }
+    const TrackParameters again = with_tuned(start, values);
+    CHECK(again.process.intensity == start.process.intensity);
+    CHECK(again.beacons.residual_variance == start.beacons.residual_variance);
+    CHECK(again.beacons.initial_variance == start.beacons.initial_variance);
+    CHECK(again.window.size == start.window.size);
+    const std::vector<double> found = found_values(method);
+    if (!found.empty()) {
+      REQUIRE(found.size() == list.size());
+      for (std::size_t i = 0; i < list.size(); ++i) {
+        CHECK(found[i] >= list[i].lower);
+        CHECK(found[i] <= list[i].upper);
+      }
+    }
+    const std::optional<TrackParameters> theirs = dissertation_parameters(method);
+    if (theirs) CHECK_FALSE(theirs->process.problem());
+  }
+
+  const Walk walk(std::chrono::seconds(3));
+  const TrackMethod method = TrackMethod::scaat_autocal;
+  const TrackParameters good = track_parameters(method);
+  const TrainingRun run{&walk.rig(), &walk.truth, walk.stream}, nothing{&walk.rig(), &walk.truth, {}};
+  const double cost = tuning_cost(method, good, std::array{run});
+  CHECK(cost == walk.run(method, walk.stream).three_point.cost());
+  CHECK(tuning_cost(method, good, std::array{run, nothing}) ==
+        doctest::Approx(0.5 * (cost + lost_cost)));  // lost from the start
+  CHECK(tuning_cost(method, good, {}) == 0.0);
+  // A filter that takes the head for a thousand times calmer than it is lags behind.
+  CHECK(tuning_cost(method, with_tuned(good, std::array{1e-4, 1e-4, 1e-3, 1e-3, 1e-3, 2e-8, 1e-6}), std::array{run}) >
+        3.0 * cost);
 }

@@ -201,6 +201,62 @@ class Track(Case):
         self.assertLess(rows["scaat_autocal", None]["three_point_mm"]["rms"], 1.0)
 
 
+class Tune(Case):
+    def setUp(self):
+        super().setUp()
+        if swimlab("track", "tune", "--help").returncode != 0:
+            self.skipTest("this swimlab was built without NLopt")
+
+    def test_options_are_named_with_value_and_expectation(self):
+        for option, value, *expected in [
+                ("--methods", "collinearity10", "nothing to tune", "scaat_autocal"), ("--methods", "scat", "scaat_autocal"),
+                ("--evaluations", "0", "whole number"), ("--evaluations", "1.5", "whole number"), ("--seeds", "many", "whole number"),
+                ("--seed", "-1", "whole number"), ("--seconds", "1", "2 to 3600"), ("--optimiser", "powell", "bobyqa or praxis"),
+                ("--up", "y,z", "one"), ("--rate", "0", "1 to 10000"), ("--json", "none/t.json", "no folder")]:
+            with self.subTest(option=option, value=value):
+                self.refused(["track", "tune", f"{option}={value}"], option, *expected)
+        self.refused(["track", "tune", "--trajectory", "none.tum"], "none.tum")
+        self.refused(["track", "tune", "--trajectory", "none.tum", "--still"], "--still", "none.tum")
+
+    def test_each_table_of_the_dissertation_has_its_options(self):
+        for method, lateral, *options in [("scaat", 0.505, "--exact-leds"), ("scaat_autocal", 0.307, "--rate", "100"),
+                                          ("scaat_autocal", 0.274, "--rate", "10"), ("scaat_autocal", 4.14e-6, "--still"),
+                                          ("mcaat3", None, "--still"), ("scaat_autocal", None, "--rate", "50")]:
+            with self.subTest(options=options):
+                self.done("track", "tune", "--methods", method, "--seconds", "2", "--evaluations", "1", *options, "--json", "t.json")
+                row, = strict_json((self.dir / "t.json").read_text())["rows"]
+                self.assertEqual(row["parameters"][0]["dissertation"], lateral)
+                self.assertEqual(row["cost_mm"], row["start_cost_mm"])
+
+    def test_settings_found_cost_less_within_their_bounds(self):
+        results = []
+        for optimiser in ["bobyqa", "praxis", "bobyqa"]:
+            told = self.done("track", "tune", "--methods", "scaat_autocal,mcaat10", "--seconds", "3", "--evaluations", "12",
+                             "--optimiser", optimiser, "--json", "t.json")
+            results.append(strict_json((self.dir / "t.json").read_text()))
+        self.assertEqual(results[0], results[2])
+        for result in results:
+            self.assertEqual(result["schema"], "holdfast/tune/1")
+            self.assertEqual(result["motions"], [{"motion": "walk-around", "seconds": 3}])
+            self.assertEqual([row["method"] for row in result["rows"]], ["scaat_autocal", "mcaat10"])
+            for row in result["rows"]:
+                self.assertLess(row["cost_mm"], row["start_cost_mm"])
+                self.assertGreater(row["dissertation_cost_mm"], 0)
+                self.assertEqual(row["evaluations"], 12)
+                self.assertEqual([p["name"] for p in row["parameters"]],
+                                 ["lateral", "height", "turn_x", "turn_y", "turn_z", "residual", "initial"])
+                for p in row["parameters"]:
+                    self.assertTrue(p["lower"] <= p["found"] <= p["upper"])
+        table_6_6 = [p["dissertation"] for p in results[0]["rows"][0]["parameters"]]
+        self.assertEqual(table_6_6, [0.395, 0.107, 0.518, 1.14, 0.589, None, 2.41e-6])
+        for part in ["scaat_autocal", "with those found", "with the dissertation's", "rad^2/s^3"]:
+            self.assertIn(part, told)
+
+    def test_motions_and_seeds_count_up(self):
+        self.done("track", "tune", "--methods", "scaat", "--seconds", "2", "--evaluations", "2", "--seeds", "3", "--json", "t.json")
+        self.assertEqual(len(strict_json((self.dir / "t.json").read_text())["motions"]), 3)
+
+
 class Ranges(Case):
     """A body at rest at (0, 0, 1), in a room with an anchor in each corner; exact ranges, 80 a second, for 3 s."""
 

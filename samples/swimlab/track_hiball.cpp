@@ -64,6 +64,7 @@ ResultJson track_json(const TrackOptions& o, const TrueMotion& truth, const std:
   json["motion"] = truth.name;
   json["seconds"] = to_seconds(truth.motion.duration());
   json["seed"] = o.request.seed;
+  json["views"] = o.request.all_views ? 26 : 6;
   json["start_mm"] = 1e3 * o.request.start.pose;
   json["rows"] = ResultJson::array();
   for (const TrackCaseRow& row : rows) json["rows"].push_back(row_json(row));
@@ -170,7 +171,8 @@ int track(const TrackOptions& o) {
 }
 
 struct TrackWords {
-  std::string scenario = "typical", trajectory, up = "y", seconds = "60", seed = "1", start_mm = "0.01", json, out;
+  std::string scenario = "typical", trajectory, up = "y", seconds = "60", seed = "1", start_mm = "0.01", views = "6",
+                      json, out;
   Words methods;
   bool lenient = false;
 };
@@ -207,7 +209,8 @@ std::string command_of(const TrackWords& words) {
   for (std::size_t i = 0; i < words.methods.size(); ++i) command += (i == 0 ? " --methods " : ",") + words.methods[i];
   if (!words.trajectory.empty()) command += " --trajectory " + words.trajectory + " --up " + words.up;
   if (words.lenient) command += " --lenient";
-  return command + " --seconds " + words.seconds + " --seed " + words.seed + " --start-mm " + words.start_mm;
+  return command + " --seconds " + words.seconds + " --seed " + words.seed + " --start-mm " + words.start_mm +
+         (words.views == "6" ? "" : " --views " + words.views);
 }
 
 TrackOptions checked(const TrackWords& words) {
@@ -226,6 +229,10 @@ TrackOptions checked(const TrackWords& words) {
   if (o.request.scenario == TrackScenario::still && !words.trajectory.empty()) {
     refuse("--trajectory", "nothing moves in this scenario", words.trajectory, "another --scenario, or no trajectory");
   }
+  if (words.views != "6" && words.views != "26") {
+    refuse("--views", "a HiBall has no such number of views", words.views, "6, or 26 with the secondary ones");
+  }
+  o.request.all_views = words.views == "26";
   o.trajectory = words.trajectory;
   o.json = words.json;
   o.out = words.out;
@@ -258,6 +265,8 @@ void add_track_hiball_command(CLI::App& track_app, int& exit_code) {
   app.add_option("--start-mm", words->start_mm,
                  "How well trackers take their start, the truth, as known (mm and mrad, and 100 times that a second); "
                  "default 0.01");
+  app.add_option("--views", words->views, "6, or 26 with those through a neighbour's photodiode; default 6")
+      ->type_name("N");
   app.add_option("--json", words->json, "Write the results also to this file")->type_name("FILE");
   app.add_option("--out", words->out, "Folder for report.html and track.json")->type_name("DIR");
   app.add_flag("--lenient", words->lenient, "Drop and count bad rows of a recording instead of stopping");

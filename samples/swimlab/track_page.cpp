@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <limits>
 #include <map>
 #include <optional>
+
+#include "text.hpp"
 
 namespace swimlab {
 
@@ -34,13 +35,6 @@ constexpr std::array case_styles{"b", "a", "c", "d", "e", "f"};
 
 const MethodLook& look_of(TrackMethod method) {
   return method_looks[static_cast<std::size_t>(method)];
-}
-
-template <typename... Values>
-std::string text_of(const char* format, Values... values) {
-  char text[512];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
 }
 
 /// Two or three digits that count.
@@ -197,10 +191,13 @@ class Page {
                "noise "
                "there is the tracker's own.";
       case TrackScenario::ordering:
-        return "The same number of sightings, taken in another order: cameras by turns, at random, or the one that was "
-               "used longest ago.";
+        return "The same number of sightings, taken in another order: cameras by turns, at random, each LED that was "
+               "used "
+               "longest ago, or what tells most about the direction in which the pose is known least.";
       case TrackScenario::faults:
-        return "One sighting in five names the wrong LED. A gate turns away what is too unlikely.";
+        return "One sighting in five names the wrong LED. A gate turns away what is too unlikely. Where the sighting "
+               "lies "
+               "tells whose it is, and under that name it counts after all.";
     }
     return "";
   }

@@ -20,15 +20,16 @@ using std::chrono::seconds;
 /// One stream that methods are compared on.
 struct TrackCase {
   std::string name;
-  std::vector<BeaconSighting> stream;
+  std::vector<BeaconSighting> stream{};
   TrackTuning tuning = TrackTuning::moving;
-  bool gate = true;
+  bool gate = true, rename = true;
+  bool informed = false;  ///< no stream: the tracker asks for what it wants to see
 };
 
 class Scenario {
  public:
   Scenario(const TrackRequest& request, const Motion& truth, const std::function<void(const std::string&)>& tell)
-      : request_(request), truth_(truth), tell_(tell), simulator_(rig_of(request.seed), truth, request.seed) {}
+      : request_(request), truth_(truth), tell_(tell), simulator_(rig_of(request), truth, request.seed) {}
 
   [[nodiscard]] std::vector<TrackCaseRow> run() {
     switch (request_.scenario) {
@@ -54,13 +55,15 @@ class Scenario {
         compare({"round-robin", stream()});
         compare({"random", stream({.order = SightingOrder::random, .seed = request_.seed})});
         compare({"least recently used", stream({.order = SightingOrder::least_recently_used, .seed = request_.seed})});
+        compare({.name = "weakest direction", .informed = true});
         break;
       case TrackScenario::faults: {
         compare({"no faults", stream()});
         std::vector<BeaconSighting> wrong = stream();
         misidentify(wrong, simulator_, 0.2, request_.seed);
         compare({"20 % wrong", wrong});
-        compare({"20 % wrong, no gate", wrong, TrackTuning::moving, false});
+        compare({.name = "20 %, none renamed", .stream = wrong, .rename = false});
+        compare({.name = "20 % wrong, no gate", .stream = wrong, .gate = false});
         break;
       }
       case TrackScenario::cold_start:
@@ -74,9 +77,10 @@ class Scenario {
   }
 
  private:
-  [[nodiscard]] static HiBallRig rig_of(std::uint64_t seed) {
+  [[nodiscard]] static HiBallRig rig_of(const TrackRequest& request) {
     HiBallOptions options;
-    options.seed = seed;
+    options.seed = request.seed;
+    options.secondary_views = request.all_views;
     return hiball_rig(options);
   }
   [[nodiscard]] const HiBallRig& rig() const { return simulator_.rig(); }
@@ -91,10 +95,13 @@ class Scenario {
 
   void compare(const TrackCase& c) {
     for (const TrackMethod method : request_.methods) {
-      if (!c.gate && !is_scaat(method)) continue;  // it has none
+      const bool special = !c.gate || !c.rename || c.informed;
+      if (special && !is_scaat(method)) continue;  // it has no gate, and cannot ask
+      if (c.informed && is_second_run(method)) continue;
       tell_(told(c.name, method));
       TrackParameters parameters = track_parameters(method, c.tuning);
       if (!c.gate) parameters.gate.probability = 1.0;
+      if (!c.rename) parameters.renamed_in_a_row = 0;
       rows_.push_back(measured(c, method, parameters));
     }
   }
@@ -114,8 +121,9 @@ class Scenario {
         curves.add(m);
         if (observe) observe(m);
       };
-      result.row = run_method(method, parameters, rig(), truth_, c.stream, request_.curves ? with_curves : observe,
-                              request_.start);
+      const TrackObserver& observer = request_.curves ? with_curves : observe;
+      result.row = c.informed ? run_informed(method, parameters, simulator_, observer, request_.start)
+                              : run_method(method, parameters, rig(), truth_, c.stream, observer, request_.start);
       if (request_.curves) result.curves = curves.curves();
     };
     switch (request_.scenario) {
@@ -147,7 +155,9 @@ class Scenario {
           ++(is_wrong ? wrong : good);
           if (m.tracker.turned_away()) ++(is_wrong ? wrong_gated : good_gated);
         });
-        result.more = {{"good_gated_pct", percent(good_gated, good)}, {"wrong_gated_pct", percent(wrong_gated, wrong)}};
+        result.more = {{"good_gated_pct", percent(good_gated, good)},
+                       {"wrong_gated_pct", percent(wrong_gated, wrong)},
+                       {"renamed_pct", percent(result.row.renamed, wrong)}};
         break;
       }
       default:

@@ -47,6 +47,7 @@ struct TrackRequest {
   TrackScenario scenario = TrackScenario::typical;
   std::vector<holdfast::TrackMethod> methods;
   std::uint64_t seed = 1;
+  bool all_views = false;  ///< 26 in place of six
   holdfast::StartKnowledge start;
   bool curves = false;  ///< whether rows are to have them
 };

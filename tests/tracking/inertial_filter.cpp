@@ -22,7 +22,7 @@ constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 /// A unit with an error of every kind that the filter finds out.
 InertialUnit unit_with_errors() {
   InertialUnit unit = mems_inertial_unit();
-  unit.X_BS = Rigid::translation(Vector3(0.03, -0.02, 0.05));
+  unit.X_BS = Rigid::translation(Vector3(0.008, -0.005, 0.012));
   unit.lag = 4ms;
   return unit;
 }

@@ -41,8 +41,8 @@ struct InertialFilterSettings {
   // Standard deviations at the start.
   double speed_m_s = 2.0, rate_bias = 0.05, force_bias = 0.2, gravity = 10.0, time_offset_s = 0.01, lever_m = 0.03;
   Duration longest_gap = std::chrono::milliseconds(500);  ///< between poses; then it starts anew
-  double gate = 1000.0;  ///< of the normalised innovation squared, 6 numbers: gross errors only
-  int patience = 4;      ///< rejected poses in a row
+  double gate = 60.0;                                     ///< of the normalised innovation squared, 6 numbers
+  int patience = 4;                                       ///< rejected poses in a row
 };
 
 enum class InertialPoseUpdate { started, updated, rejected, refused };
@@ -113,11 +113,12 @@ class InertialFilter {
       set_deviation(InertialState::lever, settings_.lever_m);
       P_(InertialState::offset, InertialState::offset) = settings_.time_offset_s * settings_.time_offset_s;
     }
-    // The sensors' place is as unsure as the lever to it.
-    const Matrix3 R = begin.X_WS.R(), lever = P_.bottomRightCorner<3, 3>(), place_lever = R * lever;
-    P_.block<3, 3>(InertialState::place, InertialState::lever) = place_lever;
-    P_.block<3, 3>(InertialState::lever, InertialState::place) = place_lever.transpose();
-    P_.topLeftCorner<3, 3>() += place_lever * R.transpose();
+    // The sensors' place errs with the lever to it, and with all that errs with that.
+    const Matrix3 R = begin.X_WS.R(), lever = P_.bottomRightCorner<3, 3>();
+    const MatrixOf<double, 3, 13> with_sensors = R * P_.bottomRightCorner<3, 13>();
+    P_.topRightCorner<3, 13>() = with_sensors;
+    P_.bottomLeftCorner<13, 3>() = with_sensors.transpose();
+    P_.topLeftCorner<3, 3>() += R * lever * R.transpose();
     started_ = true;
     rejected_ = 0;
     carry_now_from_state();

@@ -163,7 +163,7 @@ struct MatchResult {
                                                        std::span<const TimedPose> samples, bool align,
                                                        const Speeds& typical, const LatencyOptions& options) {
   const std::vector<double> shifts = shift_grid(options.longest);
-  const std::vector<TimedPose> few = thinned(samples, align ? 3000 : 300);
+  const std::vector<TimedPose> few = detail::thinned(samples, align ? 3000 : 300);
   if (align) {
     const bool turning = typical.turning > least_speeds.turning;
     return minima(shifts, speed_mismatch(c, d, few, turning, shifts), 0.05);
@@ -182,14 +182,14 @@ struct MatchResult {
 [[nodiscard]] inline MatchResult match_recordings(const ContinuousMotion& c, const ContinuousMotion& d,
                                                   std::span<const TimedPose> samples, const LatencyOptions& options) {
   MatchResult result;
-  const Speeds typical = typical_speeds(c, thinned(samples, 1000));
+  const Speeds typical = typical_speeds(c, detail::thinned(samples, 1000));
   if (typical.turning < least_speeds.turning && typical.moving < least_speeds.moving) {
     result.status = LatencyStatus::no_motion;
     return result;
   }
   const double longest_s = to_seconds(options.longest);
-  const std::vector<TimedPose> many = thinned(samples, 2000);
-  const std::vector<TimedPose> few = thinned(samples, 400);
+  const std::vector<TimedPose> many = detail::thinned(samples, 2000);
+  const std::vector<TimedPose> few = detail::thinned(samples, 400);
   bool align = options.frames == FrameRelation::rigid;
   if (align && !relation_at(c, few, 0.0)) {
     align = false;
@@ -249,7 +249,8 @@ inline void set_errors(LatencyResult& result, const ContinuousMotion& c, std::sp
     return result;
   }
   const bool aligned = options.frames == FrameRelation::rigid && found.status == LatencyStatus::ok;
-  const Relation unshifted = aligned ? relation_at(c, thinned(samples, 2000), 0.0).value_or(Relation{}) : Relation{};
+  const Relation unshifted =
+      aligned ? relation_at(c, detail::thinned(samples, 2000), 0.0).value_or(Relation{}) : Relation{};
   set_errors(result, c, samples, 0.0, unshifted, observed_is_continuous);
   result.unshifted_angle_deg_rms = result.angle_deg.rms;
   result.unshifted_position_mm_rms = result.position_mm.rms;

@@ -8,6 +8,7 @@
 #include <holdfast/registration/experiment.hpp>
 #include <holdfast/registration/experiment_types.hpp>
 #include <holdfast/registration/fiducial_error.hpp>
+#include <holdfast/registration/inertial_recording.hpp>
 #include <holdfast/registration/latency_types.hpp>
 #include <holdfast/registration/metrics.hpp>
 #include <holdfast/registration/outline_centroid.hpp>

@@ -39,7 +39,7 @@ struct InertialFilterSettings {
   double gravity_walk = 1e-3;        ///< m/s^2 / sqrt(s)
   double time_offset_walk_s = 1e-5;  ///< s / sqrt(s)
   // Standard deviations at the start.
-  double speed_m_s = 2.0, rate_bias = 0.05, force_bias = 0.2, gravity = 10.0, time_offset_s = 0.01, lever_m = 0.03;
+  double speed_m_s = 2.0, rate_bias = 0.05, force_bias = 0.2, gravity = 1.5, time_offset_s = 0.01, lever_m = 0.03;
   Duration longest_gap = std::chrono::milliseconds(500);  ///< between poses; then it starts anew
   double gate = 60.0;                                     ///< of the normalised innovation squared, 6 numbers
   int patience = 4;                                       ///< rejected poses in a row

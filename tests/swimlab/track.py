@@ -21,7 +21,8 @@ class BadUse(Case):
         for option, value, *expected in [
                 ("--scenario", "exciting", "typical, still"), ("--methods", "scat", "scaat_autocal"),
                 ("--methods", "scaat,,mcaat3", "single commas"), ("--seconds", "0", "2 to 3600"), ("--seconds", "soon", "2 to 3600"),
-                ("--seed", "-1", "whole number"), ("--up", "w", "x, y or z"), ("--start-mm", "0", "0.001 to 1000")]:
+                ("--seed", "-1", "whole number"), ("--up", "w", "x, y or z"), ("--start-mm", "0", "0.001 to 1000"),
+                ("--views", "7", "26 with the secondary")]:
             with self.subTest(option=option, value=value):
                 self.refused(["track", "hiball", f"{option}={value}", "--json", "t.json"], option, value, *expected)
 
@@ -180,7 +181,7 @@ class Track(Case):
 
     def test_orders_and_noise(self):
         _, rows = self.rows("--scenario", "ordering", "--seconds", "4")
-        self.assertEqual(list(rows), [(method, case) for case in ["round-robin", "random", "least recently used"]
+        self.assertEqual(list(rows), [(method, case) for case in ["round-robin", "random", "least recently used", "weakest direction"]
                                       for method in ["scaat_autocal", "joint"]])
         _, rows = self.rows("--scenario", "spectra", "--seconds", "4", "--methods", "scaat_autocal,collinearity10")
         scaat, collinearity = rows["scaat_autocal", None], rows["collinearity10", None]
@@ -190,7 +191,18 @@ class Track(Case):
         _, rows = self.rows("--scenario", "simultaneous", "--seconds", "3", "--methods", "scaat_autocal,mcaat10")
         self.assertEqual(len(rows), 6)
         _, rows = self.rows("--scenario", "faults", "--seconds", "5")
-        self.assertGreaterEqual(rows["scaat_autocal", "20 % wrong"]["wrong_gated_pct"], 99)
+        for method in ["scaat_autocal", "joint"]:
+            wrong, none_renamed = rows[method, "20 % wrong"], rows[method, "20 %, none renamed"]
+            self.assertGreaterEqual(wrong["wrong_gated_pct"], 99)
+            self.assertGreaterEqual(wrong["renamed_pct"], 99)
+            self.assertEqual(none_renamed["renamed_pct"], 0)
+            good = rows[method, "no faults"]["three_point_mm"]["rms"]
+            self.assertLess(wrong["three_point_mm"]["rms"], 1.2 * good)
+
+    def test_26_views(self):
+        result, rows = self.rows("--seconds", "3", "--methods", "scaat_autocal", "--views", "26")
+        self.assertEqual(result["views"], 26)
+        self.assertLess(rows["scaat_autocal", None]["three_point_mm"]["rms"], 1.5)
 
     def test_a_recording(self):
         head = pathlib.Path(RECORDINGS) / "head/optitrack_head_120hz.tum"

@@ -107,18 +107,19 @@ enum class DissertationCase {
 };
 
 /// The parameters that 002 found for its own methods, in ours' terms. Its motion was another, its rig and noise are ours.
-/// mu[b] is taken as a rate, times the 1 ms between sightings: as printed, gained with every sighting, it loses the
+/// mu[b] is taken as a rate, times the time between sightings: as printed, gained with every sighting, it loses the
 /// beacons within seconds. Nothing where 002 has no table.
 [[nodiscard]] inline std::optional<TrackParameters> dissertation_parameters(
     TrackMethod method, DissertationCase of = DissertationCase::typical) {
   using enum DissertationCase;
   const bool learns = method == TrackMethod::scaat_autocal;
+  const double dt = of == still ? 5e-4 : of == hz_100 ? 1e-2 : of == hz_10 ? 1e-1 : 1e-3;  // s, between sightings
   const auto set = [&](double lateral, double height, const Vector3& turns, double wander, double initial) {
     TrackParameters p = track_parameters(method);
     p.beacons.residual_variance.setZero();
     p.gate.probability = 1.0;  // 002 has none, and its R knows nothing of the beacons' errors
     p.process = PvModel::hiball(lateral, height, turns);
-    p.beacons.wander.setConstant(1e-3 * wander);
+    p.beacons.wander.setConstant(dt * wander);
     p.beacons.initial_variance.setConstant(initial);
     return p;
   };

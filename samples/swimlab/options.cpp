@@ -262,22 +262,28 @@ void add_run_command(CLI::App& app, const std::string& command_line, int& exit_c
 
 void add_predict_command(CLI::App& app, int& exit_code) {
   struct Given {
-    std::string trajectory, imu, json, noise_mm, noise_deg;
+    std::string trajectory, imu, json, noise_mm, noise_deg, pose_hz;
     Words intervals;
     bool lenient = false;
   };
   CLI::App& predict_app = *app.add_subcommand("predict", "Predict a recorded motion and say how far off it is");
   const auto given = std::make_shared<Given>();
   predict_app.add_option("TRAJECTORY", given->trajectory, "Recorded poses: TUM, EuRoC or CSV")->required();
-  predict_app.add_option("--imu", given->imu, "Inertial measurements (for predictors that are not available yet)")
+  predict_app
+      .add_option("--imu", given->imu,
+                  "Recorded inertial readings (CSV: t, gyr_x.., acc_x..; rad/s, m/s2); without it they are simulated")
       ->type_name("FILE");
+  predict_app.add_option("--pose-hz", given->pose_hz,
+                         "Measure so many poses a second, the others are truth alone; default all");
   add_words(predict_app, "--interval-ms", given->intervals, "How far ahead; default 60");
   predict_app.add_option("--noise-mm", given->noise_mm, "Noise of the recorded positions, for kalman; default 0.05");
   predict_app.add_option("--noise-deg", given->noise_deg,
                          "Noise of the recorded orientations, for kalman; default 0.0172 (0.3 mrad)");
   predict_app.add_flag("--lenient", given->lenient, "Drop and count bad rows instead of stopping");
   add_json(predict_app, given->json);
-  predict_app.footer("Example:\n  swimlab predict head.tum --interval-ms 20,60,100 --json predict.json");
+  predict_app.footer(
+      "Example:\n  swimlab predict head.tum --interval-ms 20,60,100 --json predict.json\n"
+      "  swimlab predict recording.csv --imu recording.csv --pose-hz 95");
   predict_app.callback([given, &exit_code] {
     PredictOptions o;
     o.trajectory = given->trajectory;
@@ -295,6 +301,8 @@ void add_predict_command(CLI::App& app, int& exit_code) {
           degrees(number_of("--noise-deg", given->noise_deg, 1e-5, 90.0, "degrees, 0.00001 to 90: standard deviation"))
               .radians();
     }
+    if (!given->pose_hz.empty())
+      o.pose_hz = number_of("--pose-hz", given->pose_hz, 1.0, 1e4, "poses a second, 1 to 10000");
     exit_code = predict(o);
   });
 }

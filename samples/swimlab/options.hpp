@@ -44,6 +44,7 @@ struct PredictOptions {
   std::filesystem::path trajectory, imu, json;
   std::vector<double> intervals_ms;
   holdfast::PoseNoise noise = holdfast::PoseFilterSettings().noise;  ///< of the recording, as the filter is told
+  double pose_hz = 0.0;  ///< every so many-th pose is measured; 0: all
   bool lenient = false;
 };
 

@@ -1,11 +1,13 @@
 /// swimlab predict: how far predictors are off on a recording (001's figure 6).
 #include <cstdio>
 
+#include <holdfast/io/inertial_files.hpp>
 #include <holdfast/io/input_error.hpp>
 #include <holdfast/io/results.hpp>
 #include <holdfast/io/trajectory.hpp>
 #include <holdfast/optics/hmd.hpp>
 #include <holdfast/prediction/evaluation.hpp>
+#include <holdfast/registration/inertial_recording.hpp>
 
 #include "exit_code.hpp"
 #include "options.hpp"
@@ -18,7 +20,8 @@ using io::ResultJson;
 
 namespace {
 
-constexpr std::array later_predictors{"constant_acceleration", "gyro", "kalman_inertial"};
+/// Not among the contract's rows.
+constexpr std::string_view further_predictor = "gyro_acceleration";
 
 ResultJson summary_json(const ErrorStatistics& s) {
   return {
@@ -41,78 +44,126 @@ ErrorStatistics screen_error(const PredictorRow& row) {
   return statistics_of(std::move(errors));
 }
 
-ResultJson block_json(double interval_ms, const PredictorEvaluation& evaluation, const PoseNoise& noise) {
+ResultJson vector_json(const Vector3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+/// What the inertial filter found out about the sensors.
+ResultJson sensors_json(const InertialState& sensors) {
+  return {{"time_offset_ms", 1e3 * sensors.time_offset_s},
+          {"gyro_bias_rad_s", vector_json(sensors.bias.rate_B)},
+          {"accelerometer_bias_m_s2", vector_json(sensors.bias.force_B)},
+          {"gravity_m_s2", vector_json(sensors.gravity_W)},
+          {"lever_mm", vector_json(1e3 * sensors.lever_B)}};
+}
+
+ResultJson block_json(double interval_ms, const PredictorEvaluation& evaluation, const PoseNoise& noise,
+                      const std::string& inertial) {
   ResultJson json;
   json["schema"] = "holdfast/predict/1";
   json["interval_ms"] = interval_ms;
   json["rows"] = ResultJson::array();
+  json["further_rows"] = ResultJson::array();
   for (const PredictorRow& row : evaluation.rows) {
-    json["rows"].push_back({{"predictor", row.predictor},
-                            {"angle_deg", summary_json(row.angle_deg)},
-                            {"position_mm", summary_json(row.position_mm)},
-                            {"screen_px", summary_json(screen_error(row))},
-                            {"jitter_arcmin", io::number_or_null(row.jitter_arcmin)}});
+    json[row.predictor == further_predictor ? "further_rows" : "rows"].push_back(
+        {{"predictor", row.predictor},
+         {"angle_deg", summary_json(row.angle_deg)},
+         {"position_mm", summary_json(row.position_mm)},
+         {"screen_px", summary_json(screen_error(row))},
+         {"jitter_arcmin", io::number_or_null(row.jitter_arcmin)},
+         {"inside_95_pct", io::number_or_null(row.inside_95_pct)}});
   }
   json["samples"] = evaluation.rows.empty() ? 0 : evaluation.rows.front().errors.size();
   json["skipped"] = evaluation.skipped;
   json["kalman_noise"] = {{"position_mm", 1e3 * noise.position_m},
                           {"orientation_deg", radians(noise.orientation_rad).degrees()}};
-  json["not_available_yet"] = later_predictors;
+  json["inertial"] = {
+      {"readings", inertial}, {"predicted_by_poses", evaluation.by_poses}, {"found", sensors_json(evaluation.sensors)}};
   return json;
+}
+
+void print_rows(const ResultJson& rows) {
+  for (const ResultJson& row : rows) {
+    std::printf("  %-21s", row["predictor"].get<std::string>().c_str());
+    for (const char* key : {"angle_deg", "position_mm", "screen_px"}) {
+      std::printf(" ");
+      for (const char* of : {"mean", "p95", "peak"}) std::printf(" %8.3f", row[key][of].get<double>());
+    }
+    for (const char* key : {"jitter_arcmin", "inside_95_pct"}) {
+      if (row[key].is_null()) {
+        std::printf(" %8s", "-");
+      } else {
+        std::printf(" %8.2f", row[key].get<double>());
+      }
+    }
+    std::printf("\n");
+  }
 }
 
 void print_block(const ResultJson& block) {
   std::printf("\n%g ms ahead, %zu predictions (%zu samples skipped)\n", block["interval_ms"].get<double>(),
               block["samples"].get<std::size_t>(), block["skipped"].get<std::size_t>());
-  std::printf("  %-18s %27s %27s %27s %8s\n", "", "angle deg", "position mm", "screen px", "jitter");
-  std::printf("  %-18s %9s%9s%9s %9s%9s%9s %9s%9s%9s %8s\n", "predictor", "mean", "p95", "peak", "mean", "p95", "peak",
-              "mean", "p95", "peak", "arcmin");
-  for (const ResultJson& row : block["rows"]) {
-    std::printf("  %-18s", row["predictor"].get<std::string>().c_str());
-    for (const char* key : {"angle_deg", "position_mm", "screen_px"}) {
-      std::printf(" ");
-      for (const char* of : {"mean", "p95", "peak"}) std::printf(" %8.3f", row[key][of].get<double>());
-    }
-    const ResultJson& jitter = row["jitter_arcmin"];
-    if (jitter.is_null()) {
-      std::printf(" %8s\n", "-");
-    } else {
-      std::printf(" %8.2f\n", jitter.get<double>());
-    }
-  }
+  std::printf("  %-21s %27s %27s %27s %8s %8s\n", "", "angle deg", "position mm", "screen px", "jitter", "inside");
+  std::printf("  %-21s %9s%9s%9s %9s%9s%9s %9s%9s%9s %8s %8s\n", "predictor", "mean", "p95", "peak", "mean", "p95",
+              "peak", "mean", "p95", "peak", "arcmin", "95%");
+  print_rows(block["rows"]);
+  print_rows(block["further_rows"]);
+}
+
+void print_sensors(const ResultJson& inertial) {
+  const ResultJson& found = inertial["found"];
+  std::printf("\nkalman_inertial found: readings %.2f ms after the poses' clock",
+              found["time_offset_ms"].get<double>());
+  const auto print = [&](const char* what, const char* key) {
+    std::printf("; %s (%.4g, %.4g, %.4g)", what, found[key][0].get<double>(), found[key][1].get<double>(),
+                found[key][2].get<double>());
+  };
+  print("gyro bias rad/s", "gyro_bias_rad_s");
+  print("accelerometer bias m/s2", "accelerometer_bias_m_s2");
+  print("gravity m/s2", "gravity_m_s2");
+  print("lever mm", "lever_mm");
+  const auto by_poses = inertial["predicted_by_poses"].get<std::size_t>();
+  if (by_poses > 0) std::printf("; %zu predictions from the poses alone, for want of a sensor to believe", by_poses);
+  std::printf("\n");
 }
 
 }  // namespace
 
 int predict(const PredictOptions& options) {
-  if (!options.imu.empty()) {
-    throw io::InputError({.key = "--imu",
-                          .problem = "inertial predictors are not available yet",
-                          .value = options.imu.string(),
-                          .expected = "no --imu: none, constant_velocity and kalman need poses alone"});
-  }
   const std::filesystem::path json_file = checked_json_file(options.json);
   const io::TrajectoryFile recording =
       io::read_trajectory(options.trajectory, options.lenient ? io::ReadMode::lenient : io::ReadMode::strict);
   std::printf("%s: %s", options.trajectory.string().c_str(), io::describe(recording.report).c_str());
+  const std::vector<InertialReading> inertial =
+      options.imu.empty()
+          ? (recording.samples.size() < 2 ? std::vector<InertialReading>() : simulate_inertial(recording.samples))
+          : io::read_inertial(options.imu);
+  const std::string readings =
+      options.imu.empty()
+          ? "simulated along the recording below 10 Hz: 500 Hz, noise 0.005 rad/s and 0.01 m/s2 a reading"
+          : options.imu.string();
+  std::printf("inertial readings: %s\n", readings.c_str());
+  const std::vector<TimedPose> poses = options.pose_hz > 0.0 && recording.samples.size() > 1
+                                           ? thinned(recording.samples, options.pose_hz)
+                                           : recording.samples;
   std::vector<ResultJson> blocks;
   for (const double interval_ms : options.intervals_ms) {
     EvaluationSettings settings;
     settings.interval = from_milliseconds(interval_ms);
     settings.filter.noise = options.noise;
-    const PredictorEvaluation evaluation = evaluate_predictors(recording.samples, settings);
+    settings.inertial = inertial;
+    const PredictorEvaluation evaluation = evaluate_predictors(poses, recording.samples, settings);
     if (evaluation.rows.empty() || evaluation.rows.front().errors.empty()) {
       throw io::InputError({.file = options.trajectory.string(),
                             .problem = "too short, or too full of gaps, to predict over " +
                                        std::to_string(std::lround(interval_ms)) + " ms",
                             .expected = "a recording that lasts longer than the interval"});
     }
-    blocks.push_back(block_json(interval_ms, evaluation, settings.filter.noise));
+    blocks.push_back(block_json(interval_ms, evaluation, settings.filter.noise, readings));
     print_block(blocks.back());
   }
-  std::printf("\nnot available yet:");
-  for (const char* name : later_predictors) std::printf(" %s", name);
-  std::printf("\nscreen px: a point 1 m ahead, in a picture of 1280 pixels over 60 degrees\n");
+  print_sensors(blocks.back()["inertial"]);
+  std::printf("screen px: a point 1 m ahead, in a picture of 1280 pixels over 60 degrees\n");
   std::printf("kalman: takes the poses for noisy by %.3g mm and %.3g deg (--noise-mm, --noise-deg)\n",
               1e3 * options.noise.position_m, radians(options.noise.orientation_rad).degrees());
   if (json_file.empty()) return done;

@@ -284,18 +284,24 @@ class Predict(Case):
         result = strict_json((self.dir / "p.json").read_text())
         self.assertEqual(result["schema"], "holdfast/predict/1")
         self.assertEqual(result["interval_ms"], 60)
-        self.assertEqual([row["predictor"] for row in result["rows"]], ["none", "constant_velocity", "kalman"])
+        self.assertEqual([row["predictor"] for row in result["rows"]],
+                         ["none", "constant_velocity", "kalman", "constant_acceleration", "gyro", "kalman_inertial"])
         for row in result["rows"]:
             for key in ["angle_deg", "position_mm", "screen_px"]:
                 self.assertLessEqual(row[key]["mean"], row[key]["p95"])
                 self.assertLessEqual(row[key]["p95"], row[key]["peak"])
-        none, velocity, kalman = result["rows"]
+        none, velocity, kalman, acceleration, gyro, inertial = result["rows"]
         # Mostly a yaw of 15 deg at 1 Hz: 2 sin(x/2) and about x^2/2 of the amplitude, x = 0.377.
         self.assertAlmostEqual(none["angle_deg"]["peak"], 15 * 2 * math.sin(0.1885), delta=0.8)
         self.assertLess(velocity["angle_deg"]["mean"], 0.35 * none["angle_deg"]["mean"])
         # It starts without a velocity; once it has one, it also knows how that changes.
         self.assertLess(kalman["angle_deg"]["mean"], 0.9 * velocity["angle_deg"]["mean"])
-        self.assertEqual(result["not_available_yet"], ["constant_acceleration", "gyro", "kalman_inertial"])
+        # x^3/6 of the amplitude; and who feels the acceleration beats all.
+        self.assertLess(acceleration["angle_deg"]["mean"], 0.5 * velocity["angle_deg"]["mean"])
+        self.assertLess(gyro["angle_deg"]["mean"], velocity["angle_deg"]["mean"])
+        self.assertLess(inertial["angle_deg"]["mean"], 0.5 * kalman["angle_deg"]["mean"])
+        self.assertIn("simulated", result["inertial"]["readings"])
+        self.assertIn("simulated", answer.stdout)
         self.assertAlmostEqual(result["kalman_noise"]["position_mm"], 0.05)
         # A filter that believes in no pose follows none.
         answer = swimlab("predict", "m.tum", "--noise-mm", "100", "--noise-deg", "30", "--json", "p.json", cwd=self.dir)
@@ -307,10 +313,37 @@ class Predict(Case):
         for wrong in ["0", "x", "-1"]:
             self.refused(["predict", "m.tum", "--noise-mm", wrong], "--noise-mm", wrong)
 
-    def test_inertial_is_not_available_yet(self):
+    def test_inertial_readings_of_a_file(self):
         write_motion(self.dir / "m.tum")
-        (self.dir / "i.csv").write_text("t,wx\n")
-        self.refused(["predict", "m.tum", "--imu", "i.csv"], "--imu", "not available yet")
+        (self.dir / "i.csv").write_text("t,gx,gy,gz,ax,ay\n")
+        self.refused(["predict", "m.tum", "--imu", "i.csv"], "i.csv:1", "az")
+        (self.dir / "i.csv").write_text("t,gx,gy,gz,ax,ay,az\n0,0,0,0,0,0,oops\n")
+        self.refused(["predict", "m.tum", "--imu", "i.csv"], "i.csv:2", "oops")
+        # A sensor that says nothing after the first moment is not believed, and that is said.
+        (self.dir / "i.csv").write_text("t_s,gyr_x_rad_s,gyr_y,gyr_z,acc_x_m_s2,acc_y,acc_z\n0,0,0,0,0,9.8,0\n")
+        answer = swimlab("predict", "m.tum", "--imu", "i.csv", "--json", "p.json", cwd=self.dir)
+        self.assertEqual(answer.returncode, 0, answer.stderr)
+        self.assertIn("from the poses alone", answer.stdout)
+        rows = {row["predictor"]: row for row in strict_json((self.dir / "p.json").read_text())["rows"]}
+        self.assertLess(rows["kalman_inertial"]["angle_deg"]["mean"], 1.1 * rows["kalman"]["angle_deg"]["mean"])
+
+    def test_real_inertial_recording(self):
+        recording = pathlib.Path(RECORDINGS) / "imu/broad_07_fast_rotation.csv"
+        if not recording.exists():
+            self.skipTest("recordings are not here")
+        answer = swimlab("predict", recording, "--imu", recording, "--pose-hz", "95", "--interval-ms", "20,40,60,100",
+                         "--json", "p.json", cwd=self.dir)
+        self.assertEqual(answer.returncode, 0, answer.stderr)
+        result = strict_json((self.dir / "p.json").read_text())
+        self.assertAlmostEqual(result["inertial"]["found"]["time_offset_ms"], 4.0, delta=0.5)
+        for block in result["intervals"]:
+            rows = {row["predictor"]: row for row in block["rows"] + block["further_rows"]}
+            inertial = rows.pop("kalman_inertial")
+            rows.pop("kalman")
+            for key in ["angle_deg", "position_mm"]:
+                self.assertLess(inertial[key]["mean"], 0.9 * min(row[key]["mean"] for row in rows.values()))
+            self.assertGreater(inertial["inside_95_pct"], 90)
+            self.assertLess(inertial["inside_95_pct"], 98)
 
     def test_head_recording_is_no_worse_than_a_plain_script(self):
         recording = pathlib.Path(RECORDINGS) / "head/optitrack_head_120hz.tum"
@@ -318,12 +351,16 @@ class Predict(Case):
             self.skipTest("recordings are not here")
         answer = swimlab("predict", recording, "--interval-ms", "58.3", "--json", "p.json", cwd=self.dir)
         self.assertEqual(answer.returncode, 0, answer.stderr)
-        none, velocity, kalman = strict_json((self.dir / "p.json").read_text())["rows"]
+        none, velocity, kalman, *_, inertial = strict_json((self.dir / "p.json").read_text())["rows"]
         # The README of the recordings prints 1.12 and 0.33 deg, rounded.
         self.assertLess(none["angle_deg"]["mean"], 1.125)
         self.assertLess(velocity["angle_deg"]["mean"], 0.335)
         self.assertLess(kalman["angle_deg"]["mean"], velocity["angle_deg"]["mean"])
         self.assertLess(kalman["position_mm"]["mean"], 0.8 * velocity["position_mm"]["mean"])
+        self.assertLess(4.0 * inertial["angle_deg"]["mean"], none["angle_deg"]["mean"])
+        self.assertLess(1.4 * inertial["angle_deg"]["mean"], kalman["angle_deg"]["mean"])
+        self.assertLess(5.0 * inertial["position_mm"]["mean"], none["position_mm"]["mean"])
+        self.assertLess(2.5 * inertial["position_mm"]["mean"], kalman["position_mm"]["mean"])
 
 
 class Latency(Case):

@@ -1,8 +1,4 @@
-#include <charconv>
-#include <filesystem>
-#include <fstream>
 #include <numbers>
-#include <sstream>
 
 #include <doctest/doctest.h>
 
@@ -11,26 +7,10 @@
 #include <holdfast/prediction/evaluation.hpp>
 #include <holdfast/prediction/predictor_theory.hpp>
 
+#include "head_recording.hpp"
+
 using namespace holdfast;
-
-namespace {
-
-/// The head recording, read without io, which these tests do not link. Times: the fraction alone matters here.
-std::vector<TimedPose> head_recording() {
-  std::ifstream file(std::filesystem::path(HOLDFAST_RECORDINGS) / "head/optitrack_head_120hz.tum");
-  std::vector<TimedPose> poses;
-  std::string line;
-  while (std::getline(file, line)) {
-    if (line.empty() || line[0] == '#') continue;
-    std::istringstream row(line);
-    double t, x, y, z, qx, qy, qz, qw;
-    row >> t >> x >> y >> z >> qx >> qy >> qz >> qw;
-    poses.push_back({time_at(t - 1705504375.0), Rigid(Quaternion(qw, qx, qy, qz), Vector3(x, y, z))});
-  }
-  return poses;
-}
-
-}  // namespace
+using test::head_recording;
 
 TEST_CASE("on a yaw sine the peak errors are theory's") {
   const auto motion = make_yaw_sine(2.0, degrees(3.0), std::chrono::seconds(10));

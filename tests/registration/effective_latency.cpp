@@ -7,7 +7,10 @@
 #include <holdfast/motion/generators.hpp>
 #include <holdfast/registration/effective_latency.hpp>
 
+#include "head_recording.hpp"
+
 using namespace holdfast;
+using test::head_recording;
 
 namespace {
 
@@ -124,11 +127,11 @@ TEST_CASE("what cannot be told is said") {
 }
 
 TEST_CASE("a recording of a head shifted by 37.3 ms answers 37.3 ms") {
-  if (!std::filesystem::exists(recording("head/optitrack_head_120hz.tum"))) {
+  const auto samples = head_recording();
+  if (samples.empty()) {
     MESSAGE("skipped: recordings not present");
     return;
   }
-  const auto samples = io::read_trajectory(recording("head/optitrack_head_120hz.tum")).samples;
   const SplineTrajectory head(samples);
   // Resampled at 72 Hz, so that no two samples of the two are the same.
   const auto observed = observe(head, from_milliseconds(37.3), 72.0, some_world, some_body);

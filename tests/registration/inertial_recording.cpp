@@ -1,31 +1,16 @@
-#include <filesystem>
-#include <fstream>
 #include <random>
-#include <sstream>
 
 #include <doctest/doctest.h>
 
 #include <holdfast/prediction/evaluation.hpp>
 #include <holdfast/registration/inertial_recording.hpp>
 
+#include "head_recording.hpp"
+
 using namespace holdfast;
+using test::head_recording;
 
 namespace {
-
-/// The head recording, read without io, which these tests do not link.
-std::vector<TimedPose> head_recording() {
-  std::ifstream file(std::filesystem::path(HOLDFAST_RECORDINGS) / "head/optitrack_head_120hz.tum");
-  std::vector<TimedPose> poses;
-  std::string line;
-  while (std::getline(file, line)) {
-    if (line.empty() || line[0] == '#') continue;
-    std::istringstream row(line);
-    double t, x, y, z, qx, qy, qz, qw;
-    row >> t >> x >> y >> z >> qx >> qy >> qz >> qw;
-    poses.push_back({time_at(t - 1705504375.0), Rigid(Quaternion(qw, qx, qy, qz), Vector3(x, y, z))});
-  }
-  return poses;
-}
 
 PredictorEvaluation evaluated(const std::vector<TimedPose>& poses, const std::vector<TimedPose>& truth,
                               const std::vector<InertialReading>& readings, const PoseNoise& noise, const char* what) {

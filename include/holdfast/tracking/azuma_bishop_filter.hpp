@@ -40,8 +40,7 @@ struct AzumaBishopSettings {
 
 class AzumaBishopFilter {
  public:
-  // Numbers stay finite below these; no head comes near.
-  static constexpr double farthest_m = 1e12, fastest_rad_s = 1e4, hardest_m_s2 = 1e6;
+  static constexpr double farthest_m = 1e12;  ///< numbers stay finite below that, and below an InertialReading's limits
 
   explicit AzumaBishopFilter(const AzumaBishopSettings& settings = {})
       : settings_(settings),

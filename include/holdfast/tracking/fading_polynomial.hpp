@@ -38,12 +38,6 @@ class FadingPolynomial {
   [[nodiscard]] const Vector3& rate() const { return rate_; }
   [[nodiscard]] const Vector3& second() const { return second_; }
 
-  /// Integral of the signal from `from` to `from + h` seconds after the newest sample.
-  [[nodiscard]] Vector3 integral(double from, double h) const {
-    const double to = from + h;
-    return h * value_ + 0.5 * (to * to - from * from) * rate_ + (to * to * to - from * from * from) / 6.0 * second_;
-  }
-
  private:
   double memory_s_;
   bool started_ = false;

@@ -45,7 +45,7 @@ InertialFilter followed(const Motion& motion, const InertialUnit& unit, Duration
 
 }  // namespace
 
-TEST_CASE("a fading polynomial follows a parabola, and its integral is the parabola's") {
+TEST_CASE("a fading polynomial follows a parabola") {
   const Vector3 c0(1.0, -2.0, 0.5), c1(0.3, 0.1, -4.0), c2(2.0, -1.0, 3.0);
   const auto at = [&](double t) { return Vector3(c0 + t * c1 + 0.5 * t * t * c2); };
   FadingPolynomial filter(0.02);
@@ -139,6 +139,122 @@ TEST_CASE("the world may be turned: the filter's errors turn with it") {
   CHECK(so3::angle_between<double>(turned.q(), in_V.now().X_WB().q()) < 1e-6);  // solved for in another order: rounding
   CHECK((turned.p() - in_V.now().X_WB().p()).norm() < 1e-6);
   CHECK((X_VW.q() * in_W.state().gravity_W - in_V.state().gravity_W).norm() < 1e-4);
+}
+
+TEST_CASE("the error's transition is the state's, by central differences: also for the time offset") {
+  using S = InertialState;
+  std::mt19937 random(7);
+  InertialHistory history(256);
+  for (int i = 0; i < 200; ++i) {
+    const double t = 0.001 * i;
+    const Vector3 rate(2.0 + std::sin(20.0 * t), -1.5, 3.0 * std::cos(15.0 * t));
+    const Vector3 force(2.0 + 5.0 * std::sin(25.0 * t), 9.0 - 20.0 * t, 30.0 * t);
+    history.push({time_at(t), rate, force});
+  }
+  S begin;
+  begin.t = time_at(0.05);
+  begin.X_WS = Rigid(so3::exp<double>(Vector3(0.3, -0.8, 1.2)), Vector3(1.0, 2.0, 3.0));
+  begin.v_WS = Vector3(0.5, -0.2, 0.1);
+  begin.gravity_W = Vector3(0.0, -9.8, 0.0);
+  constexpr double dt = 0.03;
+  const auto felt = [&](const S& state) {
+    const Duration offset = from_seconds(state.time_offset_s);
+    return history.integrate(state.t + offset, state.t + from_seconds(dt) + offset, state.bias, Vector3::Zero());
+  };
+  const auto moved = [&](const S::Error& d) {
+    S state = begin;
+    state.add(d);
+    state.move(felt(state));
+    return state;
+  };
+  const S::Covariance F = error_transition(felt(begin), begin.X_WS.R());
+  for (int k = 0; k < S::lever; ++k) {
+    constexpr double h = 1e-4;
+    S::Error d = S::Error::Zero();
+    d[k] = h;
+    const S more = moved(d), less = moved(-d);
+    VectorOf<double, 9> change;
+    change << more.X_WS.p() - less.X_WS.p(), so3::log<double>(less.X_WS.q().conjugate() * more.X_WS.q()),
+        more.v_WS - less.v_WS;
+    change /= 2.0 * h;
+    CAPTURE(k);
+    const bool is_bias = k >= S::rate_bias && k < S::gravity;
+    for (const int part : {S::place, S::turn, S::velocity}) {
+      const Vector3 truth = change.segment<3>(part), ours = F.block<3, 1>(part, k);
+      // A bias turns with the body, which F takes into account to first order at most: w dt = 0.1. Its second-order part,
+      // of the place and velocity by the rate's bias, is left out: |f| dt^2 / 2 and more.
+      if (is_bias && part != S::turn && k < S::force_bias) {
+        CHECK((ours - truth).norm() < 15.0 * dt * dt);
+      } else {
+        CHECK((ours - truth).norm() < (is_bias ? 0.1 : 2e-3) * truth.norm() + 1e-6);
+      }
+    }
+  }
+}
+
+TEST_CASE("without the accelerometer nothing pushes the body, and nothing is learnt of what is not there") {
+  const auto motion = make_motion("M5");
+  const InertialUnit unit = unit_with_errors();
+  const HostTime lost = motion->begin() + 5s;
+  InertialFilter filter;
+  InertialState before;
+  double variance = 0.0, worst = 0.0;
+  for (const InertialReading& reading : inertial_stream(*motion, unit)) {
+    if (reading.t >= lost) filter.use_force(false);
+    filter.update(reading);
+    if (reading.t.time_since_epoch() % 10ms != 0ms) continue;
+    if (reading.t < lost) {
+      before = filter.state();
+      variance = filter.covariance().diagonal().segment<3>(InertialState::force_bias).sum();
+    }
+    filter.update(TimedPose{reading.t - 10ms, motion->at(reading.t - 10ms).X_WB});
+    if (reading.t >= lost)
+      worst = std::max(worst, (filter.now().X_WB().p() - motion->at(reading.t - 4ms).X_WB.p()).norm());
+  }
+  CHECK(filter.covariance().diagonal().segment<3>(InertialState::force_bias).sum() > 0.9 * variance);
+  CHECK((filter.state().bias.force_B - before.bias.force_B).norm() < 0.02);
+  CHECK((filter.state().gravity_W - before.gravity_W).norm() < 0.02);
+  MESSAGE("worst place " << 1e3 * worst << " mm");
+  CHECK(worst < 2e-3);
+}
+
+TEST_CASE("gravity is taken from the first reading, when the first pose came before") {
+  InertialFilter filter;
+  filter.update(TimedPose{time_at(1.0), Rigid()});
+  const Vector3 up(0.0, 0.0, standard_gravity);
+  CHECK(filter.update(InertialReading{time_at(1.001), Vector3::Zero(), up}));
+  CHECK((filter.state().gravity_W + up).norm() < 1e-12);
+  filter.forget_force();  // was in another unit
+  CHECK(filter.update(InertialReading{time_at(1.002), Vector3::Zero(), 2.0 * up}));
+  CHECK((filter.state().gravity_W + 2.0 * up).norm() < 1e-12);
+  // The first force may come later still.
+  InertialFilter late;
+  late.update(TimedPose{time_at(1.0), Rigid()});
+  CHECK(late.update(InertialReading{time_at(1.001), Vector3::Zero(), Vector3::Constant(no_number)}));
+  CHECK(late.update(TimedPose{time_at(1.01), Rigid()}) == InertialPoseUpdate::updated);
+  CHECK(late.now().v_WS.norm() < 1e-9);
+  CHECK(late.update(InertialReading{time_at(1.012), Vector3::Zero(), up}));
+  CHECK((late.state().gravity_W + up).norm() < 1e-12);
+}
+
+TEST_CASE("what no head does, and times beyond a century, leave the filter as it was") {
+  InertialFilter filter;
+  const Vector3 up(0.0, 9.8, 0.0), none = Vector3::Zero();
+  filter.update(InertialReading{time_at(0.0), none, up});
+  filter.update(TimedPose{time_at(0.0), Rigid()});
+  CHECK_FALSE(filter.update(InertialReading{time_at(0.01), Vector3(1e200, 0.0, 0.0), up}));
+  CHECK_FALSE(filter.update(InertialReading{HostTime::max(), none, up}));
+  CHECK_FALSE(filter.update(InertialReading{HostTime::min(), none, up}));
+  CHECK(filter.update(InertialReading{time_at(0.02), none, Vector3(0.0, -1e200, 0.0)}));  // as if without the force
+  CHECK(filter.update(TimedPose{HostTime::max(), Rigid()}) == InertialPoseUpdate::refused);
+  CHECK(filter.update(TimedPose{HostTime::min(), Rigid()}) == InertialPoseUpdate::refused);
+  CHECK(filter.update(TimedPose{time_at(0.02), Rigid()}) == InertialPoseUpdate::updated);
+  CHECK(filter.now().X_WB().p().norm() < 1e-6);
+  // A single pose far off says nothing of the poses' noise.
+  const double noise = filter.pose_noise().position_m;
+  CHECK(filter.update(TimedPose{time_at(0.03), Rigid::translation(Vector3(5.0, 0.0, 0.0))}) ==
+        InertialPoseUpdate::rejected);
+  CHECK(filter.pose_noise().position_m == noise);
 }
 
 TEST_CASE("bad readings and poses are refused, a wrong pose is rejected, and a jump believed in the end") {

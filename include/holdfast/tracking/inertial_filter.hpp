@@ -12,8 +12,9 @@
 /// Sources: strapdown and error state, Sola 2017 (Quaternion kinematics for the error-state Kalman filter), section 5; time offset
 /// as a state, Li & Mourikis 2014 (Online temporal calibration for camera-IMU systems).
 /// Hot path: nothing here allocates (but the constructor), locks or throws.
-/// Bad input: readings that are not finite or not later than the newest are refused (false); so are poses that are not finite
-/// or not later than the one before. A pose that contradicts the state is rejected; `patience` of them in a row start it anew.
+/// Where the force is missing the velocity stays, more or less, and nothing is learnt of the accelerometer.
+/// Bad input: readings without a rate (inertial_reading.hpp) or not later than the newest are refused (false); so are poses that are
+/// not finite or not later than the one before, and both of an unusual time. A pose that contradicts the state is rejected; `patience` of them in a row start it anew.
 #pragma once
 
 #include <algorithm>
@@ -47,6 +48,32 @@ struct InertialFilterSettings {
 
 enum class InertialPoseUpdate { started, updated, rejected, refused };
 
+/// How an InertialState's error goes on over a stretch that begins with the orientation R.
+[[nodiscard]] inline InertialState::Covariance error_transition(const StrapdownIncrement& step, const Matrix3& R) {
+  using S = InertialState;
+  const double dt = step.seconds;
+  const Matrix3 turned = step.q.toRotationMatrix();
+  S::Covariance F = S::Covariance::Identity();
+  F.block<3, 3>(S::place, S::velocity).diagonal().setConstant(dt);
+  F.block<3, 3>(S::turn, S::turn) = turned.transpose();
+  F.block<3, 3>(S::turn, S::rate_bias) = -0.5 * dt * (Matrix3::Identity() + turned.transpose());
+  F.block<3, 1>(S::turn, S::offset) = step.rate_end_B - turned.transpose() * step.rate_begin_B;
+  if (!step.has_force) return F;
+  F.block<3, 3>(S::place, S::turn) = -R * so3::hat<double>(step.position_B);
+  F.block<3, 3>(S::place, S::force_bias) = -0.5 * dt * dt * R;
+  F.block<3, 3>(S::place, S::gravity).diagonal().setConstant(0.5 * dt * dt);
+  F.block<3, 3>(S::velocity, S::turn) = -R * so3::hat<double>(step.velocity_B);
+  F.block<3, 3>(S::velocity, S::force_bias) = -dt * R;
+  F.block<3, 3>(S::velocity, S::gravity).diagonal().setConstant(dt);
+  // The stretch begins later by the sensors' clock: what was felt there is lost, and B there has turned on.
+  const Vector3& w = step.rate_begin_B;
+  const Vector3 velocity = turned * step.force_end_B - step.force_begin_B - w.cross(step.velocity_B);
+  const Vector3 position = step.velocity_B - dt * step.force_begin_B - w.cross(step.position_B);
+  F.block<3, 1>(S::velocity, S::offset) = R * velocity;
+  F.block<3, 1>(S::place, S::offset) = R * position;
+  return F;
+}
+
 class InertialFilter {
  public:
   /// Remembers `capacity` readings: as many as come in the longest delay of a pose and the gap before it.
@@ -58,19 +85,22 @@ class InertialFilter {
   }
 
   bool update(InertialReading reading) {
-    if (!reading.rate_B.allFinite()) return false;
-    if (!uses_force_) reading.force_B = -(now_.X_WS.q().conjugate() * now_.gravity_W);
-    if (!reading.force_B.allFinite()) return false;
+    if (!reading.has_rate() || !is_usual(reading.t)) return false;
+    const bool has_force = uses_force_ && reading.has_force();
+    if (!has_force) reading.force_B.setZero();  // stands in; integrals over it are not used (felt)
     const double since = history_.empty() ? 0.0 : to_seconds(reading.t - history_.newest().t);
-    if (!history_.push(reading)) return false;
+    if (!history_.push(reading, has_force)) return false;
     if (since > longest_step_s) rate_trend_.restart();
     rate_trend_.update(since, reading.rate_B);
-    if (started_) carry_now();
+    if (!started_) return true;
+    carry_now();
+    if (has_force && !knows_gravity_) take_gravity();
     return true;
   }
 
   InertialPoseUpdate update(const TimedPose& pose) {
-    if (!pose.X_WB.is_finite() || !(pose.X_WB.p().squaredNorm() < 1e18) || (started_ && pose.t <= state_.t)) {
+    const bool usable = pose.X_WB.is_finite() && pose.X_WB.p().squaredNorm() < 1e18 && is_usual(pose.t);
+    if (!usable || (started_ && pose.t <= state_.t)) {
       return InertialPoseUpdate::refused;
     }
     if (!started_ || pose.t - state_.t > settings_.longest_gap) {
@@ -98,7 +128,6 @@ class InertialFilter {
     begin.t = pose.t;
     begin.X_WS = Rigid(pose.X_WB.q(), pose.X_WB.p() + pose.X_WB.q() * begin.lever_B);
     begin.v_WS.setZero();
-    if (!knows_sensors && !history_.empty()) begin.gravity_W = -(pose.X_WB.q() * history_.newest().force_B);
     state_ = begin;
     const InertialState::Covariance known = P_;
     P_.setZero();
@@ -122,10 +151,18 @@ class InertialFilter {
     started_ = true;
     rejected_ = 0;
     carry_now_from_state();
+    if (!knows_gravity_ && history_.has_force()) take_gravity();
   }
 
   /// Without the accelerometer the velocity stays, more or less.
   void use_force(bool yes) { uses_force_ = yes; }
+  /// What was found out about the accelerometer was wrong: its bias and gravity are to be found anew.
+  void forget_force() {
+    state_.bias.force_B.setZero();
+    forget(InertialState::force_bias, settings_.force_bias);
+    knows_gravity_ = false;
+    carry_now_from_state();
+  }
   /// Their clock may have jumped: the time offset is to be found anew.
   void forget_readings() {
     history_.clear();
@@ -153,57 +190,68 @@ class InertialFilter {
   void set_deviation(int begin, double deviation) {
     P_.diagonal().segment<3>(begin).setConstant(deviation * deviation);
   }
-  [[nodiscard]] StrapdownIncrement felt(HostTime from, HostTime to) const {
-    return history_.integrate(from + time_offset(), to + time_offset(), state_.bias, rate_trend_.rate());
+  /// Three numbers of the error are as unknown as at the start.
+  void forget(int begin, double deviation) {
+    P_.middleRows<3>(begin).setZero();
+    P_.middleCols<3>(begin).setZero();
+    set_deviation(begin, deviation);
+  }
+  /// Gravity is what the newest force, felt as if the body did not accelerate, stands against.
+  void take_gravity() {
+    const InertialReading& newest = history_.newest();
+    state_.gravity_W = -(now_.X_WS.q() * (newest.force_B - state_.bias.force_B));
+    forget(InertialState::gravity, settings_.gravity);
+    knows_gravity_ = true;
+    carry_now_from_state();
+  }
+  /// What the sensors feel after `begin`, until `to`; where there is no force, as if the velocity stayed.
+  [[nodiscard]] StrapdownIncrement felt(const InertialState& begin, HostTime to) const {
+    StrapdownIncrement step =
+        history_.integrate(begin.t + time_offset(), to + time_offset(), state_.bias, rate_trend_.rate());
+    if (step.has_force && knows_gravity_) return step;
+    step.has_force = false;
+    step.force_begin_B = -(begin.X_WS.q().conjugate() * begin.gravity_W);
+    step.force_end_B = step.q.conjugate() * step.force_begin_B;
+    step.velocity_B = step.seconds * step.force_begin_B;
+    step.position_B = 0.5 * step.seconds * step.velocity_B;
+    return step;
   }
   void carry_now() {
     const HostTime t = history_.newest().t - time_offset();
     if (t <= now_.t) return;
-    const StrapdownIncrement step = felt(now_.t, t);
+    const StrapdownIncrement step = felt(now_, t);
     now_.move(step);
     now_.t = t;
     force_now_B_ = step.force_end_B;
   }
   void carry_now_from_state() {
     now_ = state_;
-    force_now_B_ = felt(now_.t, now_.t).force_end_B;
+    force_now_B_ = felt(now_, now_.t).force_end_B;
     if (!history_.empty()) carry_now();
   }
 
   void carry(HostTime t) {
     using S = InertialState;
-    const StrapdownIncrement step = felt(state_.t, t);
-    const double dt = step.seconds;
-    const Matrix3 R = state_.X_WS.R(), turned = step.q.toRotationMatrix();
-    S::Covariance F = S::Covariance::Identity();
-    F.block<3, 3>(S::place, S::turn) = -R * so3::hat<double>(step.position_B);
-    F.block<3, 3>(S::place, S::velocity).diagonal().setConstant(dt);
-    F.block<3, 3>(S::place, S::force_bias) = -0.5 * dt * dt * R;
-    F.block<3, 3>(S::place, S::gravity).diagonal().setConstant(0.5 * dt * dt);
-    F.block<3, 3>(S::turn, S::turn) = turned.transpose();
-    F.block<3, 3>(S::turn, S::rate_bias) = -0.5 * dt * (Matrix3::Identity() + turned.transpose());
-    F.block<3, 1>(S::turn, S::offset) = step.rate_end_B - turned.transpose() * step.rate_begin_B;
-    F.block<3, 3>(S::velocity, S::turn) = -R * so3::hat<double>(step.velocity_B);
-    F.block<3, 3>(S::velocity, S::force_bias) = -dt * R;
-    F.block<3, 3>(S::velocity, S::gravity).diagonal().setConstant(dt);
-    F.block<3, 1>(S::velocity, S::offset) = R * (turned * step.force_end_B - step.force_begin_B);
-    F.block<3, 1>(S::place, S::offset) = 0.5 * dt * F.block<3, 1>(S::velocity, S::offset);
+    const StrapdownIncrement step = felt(state_, t);
+    const S::Covariance F = error_transition(step, state_.X_WS.R());
     S::Covariance FP;
     FP.noalias() = F.lazyProduct(P_);
     P_.noalias() = FP.lazyProduct(F.transpose());
-    add_process_noise(dt, std::max(step.rate_begin_B.squaredNorm(), step.rate_end_B.squaredNorm()));
+    add_process_noise(step);
     state_.move(step);
     state_.t = t;
   }
 
   /// A scale that is off acts for as long as a head turns one way: some 0.05 s.
-  void add_process_noise(double dt, double rate_squared) {
+  void add_process_noise(const StrapdownIncrement& step) {
     using S = InertialState;
+    const double dt = step.seconds;
+    const double rate_squared = std::max(step.rate_begin_B.squaredNorm(), step.rate_end_B.squaredNorm());
     const auto square = [](double x) { return x * x; };
     const double turn = square(settings_.rate_noise) + 0.05 * square(settings_.rate_scale_error) * rate_squared;
     const double swing = settings_.swing_m * rate_squared;
     const double force =
-        square(uses_force_ ? settings_.force_noise : settings_.no_force_noise) + 1.25e-4 * swing * swing;
+        square(step.has_force ? settings_.force_noise : settings_.no_force_noise) + 1.25e-4 * swing * swing;
     for (int i = 0; i < 3; ++i) {
       P_(S::turn + i, S::turn + i) += turn * dt;
       P_(S::place + i, S::place + i) += force * dt * dt * dt / 3.0;
@@ -230,13 +278,16 @@ class InertialFilter {
     Matrix6 innovation = PH.topRows<6>();
     innovation.topRows<3>() += R * so3::hat<double>(state_.lever_B) * PH.middleRows<3>(S::turn);
     innovation.topRows<3>() -= R * PH.middleRows<3>(S::lever);
-    adapt_noise(residual, innovation);
+    const Vector6 explained = innovation.diagonal();
     innovation.diagonal().head<3>().array() += position_variance_;
     innovation.diagonal().tail<3>().array() += turn_variance_;
     const Eigen::LLT<Matrix6> cholesky(innovation);
     if (cholesky.info() != Eigen::Success) return false;
     const Vector6 weighted = cholesky.solve(residual);
-    if (!(residual.dot(weighted) < settings_.gate)) return false;
+    const bool accepted = residual.dot(weighted) < settings_.gate;
+    // One that is off alone is wrong; several in a row may be noisier than thought.
+    if (accepted || rejected_ > 0) adapt_noise(residual, explained);
+    if (!accepted) return false;
     const MatrixOf<double, 6, S::size> gain = cholesky.solve(PH.transpose());  // transposed
     S::Error d = PH * weighted;
     d[S::offset] =
@@ -250,15 +301,15 @@ class InertialFilter {
   }
 
   /// What the state's covariance does not explain of the residual is the pose's noise; the last hundred poses count.
-  void adapt_noise(const Vector6& residual, const Matrix6& explained) {
+  void adapt_noise(const Vector6& residual, const Vector6& explained) {
+    if (!residual.allFinite() || !explained.allFinite()) return;
     constexpr double gain = 0.01, smallest_m2 = 2.5e-9, smallest_rad2 = 1e-10;
     const auto adapt = [](double& variance, double square, double known, double smallest) {
       const double excess = std::min(square, 25.0 * (known + variance)) - known;
       variance += gain * (std::max(excess, smallest) - variance);
     };
-    adapt(position_variance_, residual.head<3>().squaredNorm() / 3.0, explained.diagonal().head<3>().mean(),
-          smallest_m2);
-    adapt(turn_variance_, residual.tail<3>().squaredNorm() / 3.0, explained.diagonal().tail<3>().mean(), smallest_rad2);
+    adapt(position_variance_, residual.head<3>().squaredNorm() / 3.0, explained.head<3>().mean(), smallest_m2);
+    adapt(turn_variance_, residual.tail<3>().squaredNorm() / 3.0, explained.tail<3>().mean(), smallest_rad2);
   }
 
   InertialFilterSettings settings_;
@@ -268,7 +319,7 @@ class InertialFilter {
   InertialState::Covariance P_ = InertialState::Covariance::Zero();
   Vector3 force_now_B_ = Vector3::Zero();
   double position_variance_ = 0.0, turn_variance_ = 0.0;
-  bool started_ = false, uses_force_ = true;
+  bool started_ = false, uses_force_ = true, knows_gravity_ = false;
   int rejected_ = 0;
 };
 

@@ -24,6 +24,7 @@ struct StrapdownIncrement {
   Vector3 position_B = Vector3::Zero();   ///< double integral of the force
   Vector3 rate_begin_B = Vector3::Zero(), rate_end_B = Vector3::Zero();
   Vector3 force_begin_B = Vector3::Zero(), force_end_B = Vector3::Zero();
+  bool has_force = true;  ///< false: a force that nobody measured is in it
 };
 
 struct InertialBias {
@@ -40,9 +41,10 @@ class InertialHistory {
     HOLDFAST_ASSERT(capacity >= 2, "a history holds at least two readings");
   }
 
-  bool push(const InertialReading& reading) {
+  /// `has_force` false: the reading's force stands in for one that is missing.
+  bool push(const InertialReading& reading, bool has_force = true) {
     if (size_ > 0 && reading.t <= newest().t) return false;
-    ring_[(first_ + size_) % ring_.size()] = reading;
+    ring_[(first_ + size_) % ring_.size()] = {reading, has_force};
     if (size_ < ring_.size()) {
       ++size_;
     } else {
@@ -55,8 +57,10 @@ class InertialHistory {
   [[nodiscard]] bool empty() const { return size_ == 0; }
   [[nodiscard]] std::size_t size() const { return size_; }
   /// The k-th oldest.
-  [[nodiscard]] const InertialReading& operator[](std::size_t k) const { return ring_[(first_ + k) % ring_.size()]; }
+  [[nodiscard]] const InertialReading& operator[](std::size_t k) const { return kept(k).reading; }
   [[nodiscard]] const InertialReading& newest() const { return (*this)[size_ - 1]; }
+  /// Whether the newest reading has one of its own.
+  [[nodiscard]] bool has_force() const { return !empty() && kept(size_ - 1).has_force; }
 
   /// How many readings are not later than t.
   [[nodiscard]] std::size_t count_until(HostTime t) const {
@@ -70,14 +74,17 @@ class InertialHistory {
                                              const Vector3& rate_slope) const {
     StrapdownIncrement sum;
     sum.seconds = to_seconds(to - from);
+    sum.has_force = !empty();
     if (empty()) return sum;
     std::size_t next = count_until(from);
+    sum.has_force = kept(next == 0 ? 0 : next - 1).has_force;
     InertialReading begin = at(from, next, rate_slope);
     sum.rate_begin_B = begin.rate_B - bias.rate_B;
     sum.force_begin_B = begin.force_B - bias.force_B;
     while (begin.t < to) {
       const HostTime until = next < size_ ? std::min(to, (*this)[next].t) : to;
       const InertialReading end = at(until, next, rate_slope);
+      if (next < size_ && !kept(next).has_force) sum.has_force = false;
       add(sum, to_seconds(until - begin.t), 0.5 * (begin.rate_B + end.rate_B) - bias.rate_B,
           0.5 * (begin.force_B + end.force_B) - bias.force_B);
       begin = end;
@@ -89,6 +96,12 @@ class InertialHistory {
   }
 
  private:
+  struct Kept {
+    InertialReading reading;
+    bool has_force = true;
+  };
+  [[nodiscard]] const Kept& kept(std::size_t k) const { return ring_[(first_ + k) % ring_.size()]; }
+
   /// The signals at t, of which `next` readings are not later.
   [[nodiscard]] InertialReading at(HostTime t, std::size_t next, const Vector3& rate_slope) const {
     InertialReading result = (*this)[next == 0 ? 0 : next - 1];
@@ -114,7 +127,7 @@ class InertialHistory {
     sum.q = (sum.q * so3::exp<double>(dt * rate)).normalized();
   }
 
-  std::vector<InertialReading> ring_;
+  std::vector<Kept> ring_;
   std::size_t first_ = 0, size_ = 0;
 };
 

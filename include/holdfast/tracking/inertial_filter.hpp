@@ -24,6 +24,7 @@
 
 #include <holdfast/tracking/advance.hpp>
 #include <holdfast/tracking/fading_polynomial.hpp>
+#include <holdfast/tracking/inertial_spread.hpp>
 #include <holdfast/tracking/inertial_state.hpp>
 
 namespace holdfast {
@@ -47,32 +48,6 @@ struct InertialFilterSettings {
 };
 
 enum class InertialPoseUpdate { started, updated, rejected, refused };
-
-/// How an InertialState's error goes on over a stretch that begins with the orientation R.
-[[nodiscard]] inline InertialState::Covariance error_transition(const StrapdownIncrement& step, const Matrix3& R) {
-  using S = InertialState;
-  const double dt = step.seconds;
-  const Matrix3 turned = step.q.toRotationMatrix();
-  S::Covariance F = S::Covariance::Identity();
-  F.block<3, 3>(S::place, S::velocity).diagonal().setConstant(dt);
-  F.block<3, 3>(S::turn, S::turn) = turned.transpose();
-  F.block<3, 3>(S::turn, S::rate_bias) = -0.5 * dt * (Matrix3::Identity() + turned.transpose());
-  F.block<3, 1>(S::turn, S::offset) = step.rate_end_B - turned.transpose() * step.rate_begin_B;
-  if (!step.has_force) return F;
-  F.block<3, 3>(S::place, S::turn) = -R * so3::hat<double>(step.position_B);
-  F.block<3, 3>(S::place, S::force_bias) = -0.5 * dt * dt * R;
-  F.block<3, 3>(S::place, S::gravity).diagonal().setConstant(0.5 * dt * dt);
-  F.block<3, 3>(S::velocity, S::turn) = -R * so3::hat<double>(step.velocity_B);
-  F.block<3, 3>(S::velocity, S::force_bias) = -dt * R;
-  F.block<3, 3>(S::velocity, S::gravity).diagonal().setConstant(dt);
-  // The stretch begins later by the sensors' clock: what was felt there is lost, and B there has turned on.
-  const Vector3& w = step.rate_begin_B;
-  const Vector3 velocity = turned * step.force_end_B - step.force_begin_B - w.cross(step.velocity_B);
-  const Vector3 position = step.velocity_B - dt * step.force_begin_B - w.cross(step.position_B);
-  F.block<3, 1>(S::velocity, S::offset) = R * velocity;
-  F.block<3, 1>(S::place, S::offset) = R * position;
-  return F;
-}
 
 class InertialFilter {
  public:
@@ -176,6 +151,10 @@ class InertialFilter {
   /// At the newest pose, with its covariance.
   [[nodiscard]] const InertialState& state() const { return state_; }
   [[nodiscard]] const InertialState::Covariance& covariance() const { return P_; }
+  /// How uncertain its pose becomes, the longer no other comes.
+  [[nodiscard]] PoseSpread spread() const {
+    return pose_spread(state_, P_, uses_force_ && knows_gravity_, turn_noise_, force_noise_);
+  }
   /// With all readings: at the newest reading or the newest pose, whichever is later.
   [[nodiscard]] const InertialState& now() const { return now_; }
   [[nodiscard]] Vector3 acceleration_now_W() const { return now_.X_WS.q() * force_now_B_ + now_.gravity_W; }
@@ -252,6 +231,8 @@ class InertialFilter {
     const double swing = settings_.swing_m * rate_squared;
     const double force =
         square(step.has_force ? settings_.force_noise : settings_.no_force_noise) + 1.25e-4 * swing * swing;
+    turn_noise_ = turn;
+    force_noise_ = force;
     for (int i = 0; i < 3; ++i) {
       P_(S::turn + i, S::turn + i) += turn * dt;
       P_(S::place + i, S::place + i) += force * dt * dt * dt / 3.0;
@@ -319,6 +300,7 @@ class InertialFilter {
   InertialState::Covariance P_ = InertialState::Covariance::Zero();
   Vector3 force_now_B_ = Vector3::Zero();
   double position_variance_ = 0.0, turn_variance_ = 0.0;
+  double turn_noise_ = 0.0, force_noise_ = 0.0;  ///< intensities that were added last
   bool started_ = false, uses_force_ = true, knows_gravity_ = false;
   int rejected_ = 0;
 };

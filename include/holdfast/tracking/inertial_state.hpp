@@ -54,4 +54,30 @@ struct InertialState {
   }
 };
 
+/// How an InertialState's error goes on over a stretch that begins with the orientation R.
+[[nodiscard]] inline InertialState::Covariance error_transition(const StrapdownIncrement& step, const Matrix3& R) {
+  using S = InertialState;
+  const double dt = step.seconds;
+  const Matrix3 turned = step.q.toRotationMatrix();
+  S::Covariance F = S::Covariance::Identity();
+  F.block<3, 3>(S::place, S::velocity).diagonal().setConstant(dt);
+  F.block<3, 3>(S::turn, S::turn) = turned.transpose();
+  F.block<3, 3>(S::turn, S::rate_bias) = -0.5 * dt * (Matrix3::Identity() + turned.transpose());
+  F.block<3, 1>(S::turn, S::offset) = step.rate_end_B - turned.transpose() * step.rate_begin_B;
+  if (!step.has_force) return F;
+  F.block<3, 3>(S::place, S::turn) = -R * so3::hat<double>(step.position_B);
+  F.block<3, 3>(S::place, S::force_bias) = -0.5 * dt * dt * R;
+  F.block<3, 3>(S::place, S::gravity).diagonal().setConstant(0.5 * dt * dt);
+  F.block<3, 3>(S::velocity, S::turn) = -R * so3::hat<double>(step.velocity_B);
+  F.block<3, 3>(S::velocity, S::force_bias) = -dt * R;
+  F.block<3, 3>(S::velocity, S::gravity).diagonal().setConstant(dt);
+  // The stretch begins later by the sensors' clock: what was felt there is lost, and B there has turned on.
+  const Vector3& w = step.rate_begin_B;
+  const Vector3 velocity = turned * step.force_end_B - step.force_begin_B - w.cross(step.velocity_B);
+  const Vector3 position = step.velocity_B - dt * step.force_begin_B - w.cross(step.position_B);
+  F.block<3, 1>(S::velocity, S::offset) = R * velocity;
+  F.block<3, 1>(S::place, S::offset) = R * position;
+  return F;
+}
+
 }  // namespace holdfast

@@ -27,6 +27,7 @@
 #include <holdfast/tracking/inertial_history.hpp>
 #include <holdfast/tracking/inertial_measurement.hpp>
 #include <holdfast/tracking/inertial_reading.hpp>
+#include <holdfast/tracking/inertial_spread.hpp>
 #include <holdfast/tracking/inertial_state.hpp>
 #include <holdfast/tracking/innovation.hpp>
 #include <holdfast/tracking/innovation_gate.hpp>

@@ -199,21 +199,27 @@ struct RowRecorder {
   }
 };
 
-/// The two newest readings at a time, and the predictor that has all until then.
+/// The two newest readings that have a rate, and the predictor that has all until then.
 class InertialFollower {
  public:
   InertialFollower(std::span<const InertialReading> readings, const EvaluationSettings& settings)
       : readings_(readings), predictor_(predictor_settings(settings)) {}
 
   void follow(const TimedPose& pose) {
-    for (; next_ < readings_.size() && readings_[next_].t <= pose.t; ++next_) predictor_.update(readings_[next_]);
+    for (; next_ < readings_.size() && readings_[next_].t <= pose.t; ++next_) {
+      const InertialReading& reading = readings_[next_];
+      predictor_.update(reading);
+      if (!reading.has_rate() || !is_usual(reading.t)) continue;
+      before_ = has_rate_ ? newest_ : reading;
+      newest_ = reading;
+      has_rate_ = true;
+    }
     predictor_.update(pose);
   }
-  [[nodiscard]] Vector3 rate() const { return next_ > 0 ? readings_[next_ - 1].rate_B : Vector3(Vector3::Zero()); }
+  [[nodiscard]] const Vector3& rate() const { return newest_.rate_B; }
   [[nodiscard]] Vector3 raw_acceleration() const {
-    if (next_ < 2) return Vector3::Zero();
-    const InertialReading &a = readings_[next_ - 2], &b = readings_[next_ - 1];
-    return b.t > a.t ? Vector3((b.rate_B - a.rate_B) / to_seconds(b.t - a.t)) : Vector3(Vector3::Zero());
+    if (newest_.t <= before_.t) return Vector3::Zero();
+    return (newest_.rate_B - before_.rate_B) / to_seconds(newest_.t - before_.t);
   }
   [[nodiscard]] const InertialPredictor& predictor() const { return predictor_; }
 
@@ -229,6 +235,8 @@ class InertialFollower {
   std::span<const InertialReading> readings_;
   InertialPredictor predictor_;
   std::size_t next_ = 0;
+  InertialReading before_, newest_;
+  bool has_rate_ = false;
 };
 
 }  // namespace detail

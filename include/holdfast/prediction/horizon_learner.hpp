@@ -46,7 +46,7 @@ class HorizonLearner {
     }
   }
 
-  /// Call it with each measured pose, before what it tells goes into the trends.
+  /// Call it with each measured pose that is believed.
   void learn(const TimedPose& pose) {
     const double since = learnt_ ? std::max(0.0, to_seconds(pose.t - learnt_until_)) : 0.0;
     learnt_ = true;
@@ -67,7 +67,10 @@ class HorizonLearner {
       first_ = (first_ + 1) % moments_.size();
     }
   }
-  void forget_moments() { count_ = 0; }
+  void forget_moments() {
+    count_ = 0;
+    learnt_ = false;
+  }
 
   /// For h seconds after the newest reading. Beyond the last horizon the covariance grows with the cube of the time.
   [[nodiscard]] HorizonWeights at(double h) const {
@@ -90,6 +93,7 @@ class HorizonLearner {
 
  private:
   static constexpr double nearest_s = 0.008;
+  static constexpr double largest_weight = 10.0;  ///< no trend is worth more; bad luck in a few examples may say so
   [[nodiscard]] static double cube(double x) { return x * x * x; }
 
   using AllWeights = std::array<HorizonWeights, horizons.size()>;
@@ -146,9 +150,12 @@ class HorizonLearner {
     MotionTrend::MoveWeights move = MotionTrend::MoveWeights::Constant(0.5 * h * h * s.acceleration);
     move[0] = h * s.speed;
     move[3] = h * h * h / 6.0 * s.jerk;
-    weights_[k] = {learners_[k].turn.solve(usual_turn_weights(), s.ridge, turn),
-                   learners_[k].move.solve(usual_move_weights(), s.ridge, move), learners_[k].spread.turn_covariance(),
-                   learners_[k].spread.move_covariance()};
+    const Learner& learner = learners_[k];
+    const MotionTrend::TurnWeights of_turn = learner.turn.solve(usual_turn_weights(), s.ridge, turn);
+    const MotionTrend::MoveWeights of_move = learner.move.solve(usual_move_weights(), s.ridge, move);
+    weights_[k] = {of_turn.cwiseMax(-largest_weight).cwiseMin(largest_weight),
+                   of_move.cwiseMax(-largest_weight).cwiseMin(largest_weight), learner.spread.turn_covariance(),
+                   learner.spread.move_covariance()};
   }
 
   HorizonLearnerSettings settings_;

@@ -1,12 +1,12 @@
 /// Finds out when inertial sensors cannot be believed, and says why.
 ///
-///   disconnected     no reading within 50 ms of the newest pose
+///   disconnected     no reading, not even one without numbers, within 50 ms of the newest pose
 ///   not_finite       readings without a number (a missing axis)
 ///   dead, stuck      an axis says zero, or the same, for 0.25 s, while poses show that it should not
 ///   saturated        an axis is at its range's end, now or within 50 ms
-///   time_backwards   readings' time does not go on
+///   time_backwards   readings' time does not go on: a few in a row, or by far (one that is a little late is dropped quietly)
 ///   inconsistent     turns by the gyro are not the poses' turns: wrong axes, wrong unit, a failing sensor
-///   wrong_gravity    of the accelerometer: gravity as found by the filter has not the expected length: wrong unit
+///   wrong_gravity    of the accelerometer: what it feels has not gravity's length on average: wrong unit
 /// A fault ends when its cause has been away for 0.25 s. Nothing here allocates.
 /// Units: rad/s, m/s^2. Bad input: anything; that is what it is for.
 #pragma once
@@ -63,6 +63,7 @@ class TriadHealth {
   }
   /// Compares with what poses say it should be: an axis that does not change although it is off by `tolerance`.
   void expect(HostTime t, const Vector3& expected, double tolerance) {
+    if (fault(t) == SensorFault::saturated) return;  // that is why
     for (int i = 0; i < 3 && started_; ++i) {
       if (to_seconds(t - changed_[static_cast<std::size_t>(i)]) < unchanged_s) continue;
       if (std::abs(expected[i] - last_[i]) > tolerance) {
@@ -74,7 +75,10 @@ class TriadHealth {
     fault_ = fault;
     until_ = t + from_seconds(recovery_s);
   }
-  [[nodiscard]] SensorFault fault(HostTime t) const { return t < until_ ? fault_ : SensorFault::none; }
+  /// A fault of the far future is one of a clock that has jumped since.
+  [[nodiscard]] SensorFault fault(HostTime t) const {
+    return t < until_ && until_ - t < std::chrono::seconds(2) ? fault_ : SensorFault::none;
+  }
 
  private:
   bool started_ = false;
@@ -84,12 +88,32 @@ class TriadHealth {
   HostTime until_ = HostTime::min();
 };
 
-/// Compares the gyro's turns between poses with the poses' own, over the last second or so of turning.
+/// What an accelerometer feels in the world, on average: without the body's acceleration, which comes and goes, that is what
+/// stands against gravity. Units: m/s^2, s.
+class GravityCheck {
+ public:
+  void add(const Vector3& force_W, double since) {
+    time_ += since;
+    if (time_ > 0.0) mean_W_ += std::min(1.0, since / std::min(time_, memory_s)) * (force_W - mean_W_);
+  }
+  void restart() { time_ = 0.0; }
+  /// Off by a tenth. The mean acceleration of a head that moves at v within the memory is v / memory: well below that.
+  [[nodiscard]] bool contradicts() const { return time_ > 2.0 && std::abs(mean_W_.norm() - standard_gravity) > 1.0; }
+
+ private:
+  static constexpr double memory_s = 3.0;
+  double time_ = 0.0;
+  Vector3 mean_W_ = Vector3::Zero();
+};
+
+/// Compares the gyro's turns between poses with the poses' own, over the last second or so of turning. One pair counts no more
+/// than what the gyro says, or 25 mrad: a single wrong pose is not a contradiction.
 class TurnComparison {
  public:
   void add(const Vector3& turn_by_gyro, const Vector3& turn_by_poses) {
-    difference_ += 0.02 * ((turn_by_gyro - turn_by_poses).squaredNorm() - difference_);
-    turned_ += 0.02 * (turn_by_poses.squaredNorm() - turned_);
+    const double most = std::max(6e-4, turn_by_gyro.squaredNorm());
+    difference_ += 0.02 * (std::min(most, (turn_by_gyro - turn_by_poses).squaredNorm()) - difference_);
+    turned_ += 0.02 * (std::min(most, turn_by_poses.squaredNorm()) - turned_);
   }
   /// Half of the turn is missed, and it is more than the poses' noise (rad, per axis), if that is believable.
   [[nodiscard]] bool contradicts(double noise) const {

@@ -6,7 +6,7 @@
 /// three_point_error.hpp along their weakest direction. When it cannot tell, the camera that looked longest ago comes next.
 /// As with the blind orders the choice is among what is truly visible.
 /// At first all take turns (round-robin). While LEDs are learnt it is the first sightings of each that tie them to the
-/// world; a tracker that chooses already then leaves some untied, and is up to a quarter farther off ever after.
+/// world; a tracker that chooses already then leaves some untied, and is up to a third farther off ever after.
 /// Bad input: numbers below 0 are none.
 #pragma once
 

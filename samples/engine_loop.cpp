@@ -23,8 +23,10 @@
 #include <type_traits>
 #include <vector>
 
-#include <holdfast/holdfast.hpp>
+#include <holdfast/motion/generators.hpp>
+#include <holdfast/pipeline/pipeline.hpp>
 #include <holdfast/rendering/rendering.hpp>
+#include <holdfast/tracking/backward_difference.hpp>
 
 #include "engine_loop_observer.hpp"
 #include "engine_loop_renderer.hpp"

@@ -7,7 +7,13 @@
 #include <optional>
 #include <vector>
 
-#include <holdfast/holdfast.hpp>
+#include <holdfast/motion/motion.hpp>
+#include <holdfast/pipeline/pipeline.hpp>
+#include <holdfast/registration/fiducial_error.hpp>
+#include <holdfast/registration/metrics.hpp>
+#include <holdfast/registration/picture_centroid.hpp>
+#include <holdfast/registration/shown_point.hpp>
+#include <holdfast/registration/swim.hpp>
 
 namespace engine_loop {
 

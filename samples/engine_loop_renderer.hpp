@@ -1,7 +1,7 @@
 // How engine_loop.cpp draws one eye: the scene into the overfilled picture, and the late warp of that picture.
 #pragma once
 
-#include <holdfast/holdfast.hpp>
+#include <holdfast/pipeline/pipeline.hpp>
 #include <holdfast/rendering/rendering.hpp>
 
 namespace engine_loop {

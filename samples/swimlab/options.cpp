@@ -12,12 +12,21 @@ namespace swimlab {
 
 using namespace holdfast;
 
-namespace {
-
-[[noreturn]] void refuse(const std::string& option, const std::string& problem, const std::string& value,
-                         const std::string& expected) {
+void refuse(const std::string& option, const std::string& problem, const std::string& value,
+            const std::string& expected) {
   throw io::InputError({.key = option, .problem = problem, .value = value, .expected = expected});
 }
+
+std::uint64_t seed_of(const std::string& word) {
+  std::uint64_t seed = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), seed);
+  if (error != std::errc() || end != word.data() + word.size()) {
+    refuse("--seed", "not a seed", word, "a whole number, 0 or more");
+  }
+  return seed;
+}
+
+namespace {
 
 /// Adds the words of `text`, which commas separate.
 void add_cut(const std::string& option, const std::string& text, Words& words) {
@@ -106,15 +115,6 @@ PixelSize size_of(const std::string& word) {
     if (side < 64 || side > 8192) refuse("--size", "out of range", word, expected);
   }
   return size;
-}
-
-std::uint64_t seed_of(const std::string& word) {
-  std::uint64_t seed = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), seed);
-  if (error != std::errc() || end != word.data() + word.size()) {
-    refuse("--seed", "not a seed", word, "a whole number, 0 or more");
-  }
-  return seed;
 }
 
 /// The text of the options of `run`, before they are checked.

@@ -44,7 +44,7 @@ struct PredictOptions {
   std::filesystem::path trajectory, imu, json;
   std::vector<double> intervals_ms;
   holdfast::PoseNoise noise = holdfast::PoseFilterSettings().noise;  ///< of the recording, as the filter is told
-  double pose_hz = 0.0;  ///< every so many-th pose is measured; 0: all
+  double pose_hz = 0.0;                                              ///< every so many-th pose is measured; 0: all
   bool lenient = false;
 };
 
@@ -55,6 +55,11 @@ struct LatencyCommandOptions {
 
 /// The words given to one option, cut at commas.
 using Words = std::vector<std::string>;
+
+/// Throws io::InputError about an option.
+[[noreturn]] void refuse(const std::string& option, const std::string& problem, const std::string& value,
+                         const std::string& expected);
+[[nodiscard]] std::uint64_t seed_of(const std::string& word);
 
 /// `word` as a number within [least, most]; io::InputError that names the option otherwise.
 [[nodiscard]] double number_of(const std::string& option, const std::string& word, double least, double most,

@@ -1,6 +1,5 @@
 /// swimlab track hiball: methods of tracking on the sightings of a simulated HiBall (002 chapter 6).
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -39,6 +38,14 @@ struct TrackOptions {
   std::string command;
 };
 
+struct TrackSettingsName {
+  TrackSettings settings;
+  std::string_view name;
+};
+constexpr std::array track_settings{TrackSettingsName{TrackSettings::own, "own"},
+                                    TrackSettingsName{TrackSettings::found, "found"},
+                                    TrackSettingsName{TrackSettings::dissertation, "dissertation"}};
+
 std::string_view name_of_scenario(TrackScenario scenario) {
   const auto found = std::ranges::find(track_scenarios, scenario, &TrackScenarioName::scenario);
   return found->name;
@@ -65,6 +72,7 @@ ResultJson track_json(const TrackOptions& o, const TrueMotion& truth, const std:
   json["seconds"] = to_seconds(truth.motion.duration());
   json["seed"] = o.request.seed;
   json["views"] = o.request.all_views ? 26 : 6;
+  json["settings"] = std::ranges::find(track_settings, o.request.settings, &TrackSettingsName::settings)->name;
   json["start_mm"] = 1e3 * o.request.start.pose;
   json["rows"] = ResultJson::array();
   for (const TrackCaseRow& row : rows) json["rows"].push_back(row_json(row));
@@ -165,14 +173,9 @@ int track(const TrackOptions& o) {
   return done;
 }
 
-[[noreturn]] void refuse(const std::string& option, const std::string& problem, const std::string& value,
-                         const std::string& expected) {
-  throw io::InputError({.key = option, .problem = problem, .value = value, .expected = expected});
-}
-
 struct TrackWords {
   std::string scenario = "typical", trajectory, up = "y", seconds = "60", seed = "1", start_mm = "0.01", views = "6",
-                      json, out;
+              settings = "own", json, out;
   Words methods;
   bool lenient = false;
 };
@@ -203,6 +206,22 @@ std::vector<TrackMethod> methods_of(const Words& words, TrackScenario scenario) 
   return methods;
 }
 
+void choose_settings(const std::string& word, TrackRequest& request) {
+  const auto known = std::ranges::find(track_settings, word, &TrackSettingsName::name);
+  if (known == track_settings.end()) refuse("--settings", "unknown", word, "own, found or dissertation");
+  request.settings = known->settings;
+  if (request.settings == TrackSettings::own) return;
+  if (request.scenario == TrackScenario::still) {
+    refuse("--settings", "tuned for motion", word, "another --scenario, or own");
+  }
+  for (const TrackMethod method : request.methods) {
+    if (!settings_of(method, request.settings)) {
+      refuse("--settings", std::string(name_of(method)) + " has none", word,
+             "some of --methods scaat,scaat_autocal,mcaat3,mcaat10");
+    }
+  }
+}
+
 /// As it may be typed again, but for where the results go.
 std::string command_of(const TrackWords& words) {
   std::string command = "swimlab track hiball --scenario " + words.scenario;
@@ -210,7 +229,8 @@ std::string command_of(const TrackWords& words) {
   if (!words.trajectory.empty()) command += " --trajectory " + words.trajectory + " --up " + words.up;
   if (words.lenient) command += " --lenient";
   return command + " --seconds " + words.seconds + " --seed " + words.seed + " --start-mm " + words.start_mm +
-         (words.views == "6" ? "" : " --views " + words.views);
+         (words.views == "6" ? "" : " --views " + words.views) +
+         (words.settings == "own" ? "" : " --settings " + words.settings);
 }
 
 TrackOptions checked(const TrackWords& words) {
@@ -221,10 +241,7 @@ TrackOptions checked(const TrackWords& words) {
   o.seconds = number_of("--seconds", words.seconds, 2.0, 3600.0, "seconds, 2 to 3600");
   o.request.start.pose = 1e-3 * number_of("--start-mm", words.start_mm, 0.001, 1000.0, "millimetres, 0.001 to 1000");
   o.request.start.velocity = 100.0 * o.request.start.pose;
-  const char* const end = words.seed.data() + words.seed.size();
-  const auto read = std::from_chars(words.seed.data(), end, o.request.seed);
-  if (read.ec != std::errc() || read.ptr != end)
-    refuse("--seed", "not a seed", words.seed, "a whole number, 0 or more");
+  o.request.seed = seed_of(words.seed);
   o.up_R = up_axis(words.up);
   if (o.request.scenario == TrackScenario::still && !words.trajectory.empty()) {
     refuse("--trajectory", "nothing moves in this scenario", words.trajectory, "another --scenario, or no trajectory");
@@ -233,6 +250,7 @@ TrackOptions checked(const TrackWords& words) {
     refuse("--views", "a HiBall has no such number of views", words.views, "6, or 26 with the secondary ones");
   }
   o.request.all_views = words.views == "26";
+  choose_settings(words.settings, o.request);
   o.trajectory = words.trajectory;
   o.json = words.json;
   o.out = words.out;
@@ -267,6 +285,9 @@ void add_track_hiball_command(CLI::App& track_app, int& exit_code) {
                  "default 0.01");
   app.add_option("--views", words->views, "6, or 26 with those through a neighbour's photodiode; default 6")
       ->type_name("N");
+  app.add_option("--settings", words->settings,
+                 "Of the methods: own, found by `track tune`, or the dissertation's; default own")
+      ->type_name("WORD");
   app.add_option("--json", words->json, "Write the results also to this file")->type_name("FILE");
   app.add_option("--out", words->out, "Folder for report.html and track.json")->type_name("DIR");
   app.add_flag("--lenient", words->lenient, "Drop and count bad rows of a recording instead of stopping");

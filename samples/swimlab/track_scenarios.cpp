@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include <holdfast/registration/track_output.hpp>
+#include <holdfast/registration/track_tuning.hpp>
 #include <holdfast/simulation/faults.hpp>
 #include <holdfast/simulation/sighting_stream.hpp>
 
@@ -93,13 +94,17 @@ class Scenario {
     return std::string(name_of(method)) + (case_name.empty() ? "" : ", " + case_name);
   }
 
+  [[nodiscard]] TrackParameters parameters_of(TrackMethod method, TrackTuning tuning = TrackTuning::moving) const {
+    return settings_of(method, request_.settings, tuning).value();
+  }
+
   void compare(const TrackCase& c) {
     for (const TrackMethod method : request_.methods) {
       const bool special = !c.gate || !c.rename || c.informed;
       if (special && !is_scaat(method)) continue;  // it has no gate, and cannot ask
       if (c.informed && is_second_run(method)) continue;
       tell_(told(c.name, method));
-      TrackParameters parameters = track_parameters(method, c.tuning);
+      TrackParameters parameters = parameters_of(method, c.tuning);
       if (!c.gate) parameters.gate.probability = 1.0;
       if (!c.rename) parameters.renamed_in_a_row = 0;
       rows_.push_back(measured(c, method, parameters));
@@ -149,15 +154,16 @@ class Scenario {
         break;
       }
       case TrackScenario::faults: {
-        long good = 0, good_gated = 0, wrong = 0, wrong_gated = 0;
+        long good = 0, good_gated = 0, wrong = 0, wrong_gated = 0, put_right = 0;
         run([&](const TrackMoment& m) {
           const bool is_wrong = m.sighting.faults.wrong_beacon;
           ++(is_wrong ? wrong : good);
           if (m.tracker.turned_away()) ++(is_wrong ? wrong_gated : good_gated);
+          if (is_wrong && m.tracker.renamed() == m.sighting.faults.true_beacon) ++put_right;
         });
         result.more = {{"good_gated_pct", percent(good_gated, good)},
                        {"wrong_gated_pct", percent(wrong_gated, wrong)},
-                       {"renamed_pct", percent(result.row.renamed, wrong)}};
+                       {"renamed_pct", percent(put_right, wrong)}};
         break;
       }
       default:
@@ -210,7 +216,7 @@ class Scenario {
                                          const std::string& name, bool search) const {
     constexpr int trials = 40;
     constexpr std::size_t sightings = 300;
-    const TrackParameters parameters = track_parameters(method);
+    const TrackParameters parameters = parameters_of(method);
     std::vector<std::optional<Duration>> times;
     TrackRow row;
     RecoveryCurves curves;
@@ -270,7 +276,7 @@ class Scenario {
 
   [[nodiscard]] TrackCaseRow recoveries(const std::vector<BeaconSighting>& seen, const std::vector<HostTime>& ends,
                                         TrackMethod method, const std::string& name, bool search) const {
-    const TrackParameters parameters = track_parameters(method);
+    const TrackParameters parameters = parameters_of(method);
     DeviceTable<3> beacons = beacon_table(rig(), parameters.beacons, parameters.autocalibrate);
     ScaatSettings settings{.gate = parameters.gate};
     ReacquisitionSettings again;
@@ -312,6 +318,14 @@ class Scenario {
 };
 
 }  // namespace
+
+std::optional<TrackParameters> settings_of(TrackMethod method, TrackSettings settings, TrackTuning tuning) {
+  if (settings == TrackSettings::dissertation) return dissertation_parameters(method);
+  const TrackParameters own = track_parameters(method, tuning);
+  if (settings == TrackSettings::own) return own;
+  const std::vector<double> found = found_values(method);
+  return found.empty() ? std::nullopt : std::optional(with_tuned(own, found));
+}
 
 std::vector<TrackMethod> usual_methods(TrackScenario scenario) {
   switch (scenario) {

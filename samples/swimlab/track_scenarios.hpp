@@ -43,9 +43,17 @@ struct TrackCaseRow {
   std::vector<TrackCurve> curves;  ///< none unless asked for
 };
 
+/// Whose settings methods run with: their own, those of found_values or those of 002 (registration/track_tuning.hpp).
+enum class TrackSettings { own, found, dissertation };
+
+/// Nothing where there are none for this method.
+[[nodiscard]] std::optional<holdfast::TrackParameters> settings_of(
+    holdfast::TrackMethod method, TrackSettings settings, holdfast::TrackTuning tuning = holdfast::TrackTuning::moving);
+
 struct TrackRequest {
   TrackScenario scenario = TrackScenario::typical;
   std::vector<holdfast::TrackMethod> methods;
+  TrackSettings settings = TrackSettings::own;  ///< that all methods have
   std::uint64_t seed = 1;
   bool all_views = false;  ///< 26 in place of six
   holdfast::StartKnowledge start;

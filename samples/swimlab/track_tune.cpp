@@ -1,12 +1,12 @@
 /// swimlab track tune: searches the settings of methods that cost least (002 section E.4), beside what 002 found.
 #include <algorithm>
-#include <charconv>
 #include <cstdio>
 #include <deque>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -90,7 +90,7 @@ std::optional<double> dissertation_value(const TuneRow& row, std::size_t i) {
 /// What 002 has a table for, of what is asked for.
 std::optional<TrackParameters> dissertation_of(TrackMethod method, const TuneOptions& o) {
   using enum DissertationCase;
-  if (o.still) return o.exact_leds ? std::nullopt : dissertation_parameters(method, still);
+  if (o.still) return o.exact_leds || o.rate_hz != 2000.0 ? std::nullopt : dissertation_parameters(method, still);
   if (o.exact_leds) return o.rate_hz == 1000.0 ? dissertation_parameters(method, exact_beacons) : std::nullopt;
   if (o.rate_hz == 1000.0) return dissertation_parameters(method, typical);
   if (o.rate_hz == 100.0) return dissertation_parameters(method, hz_100);
@@ -114,6 +114,7 @@ TuneRow tune_method(TrackMethod method, const TuneOptions& o, std::span<const Tr
         return tuning_cost(method, with_tuned(start, values), runs);
       },
       o.search);
+  if (row.tuned.found.empty()) throw std::runtime_error("track tune: " + row.tuned.problem);
   row.dissertation = dissertation_of(method, o);
   if (row.dissertation) row.dissertation_cost = tuning_cost(method, *row.dissertation, runs);
   return row;
@@ -194,11 +195,6 @@ int tune_methods(const TuneOptions& o) {
   return done;
 }
 
-[[noreturn]] void refuse(const std::string& option, const std::string& problem, const std::string& value,
-                         const std::string& expected) {
-  throw io::InputError({.key = option, .problem = problem, .value = value, .expected = expected});
-}
-
 struct TuneWords {
   Words methods, trajectories, up;
   std::string seconds = "60", rate, seed = "101", seeds = "1", evaluations = "400", optimiser = "bobyqa", json;
@@ -221,6 +217,12 @@ std::vector<TrackMethod> methods_of(const Words& words) {
 }
 
 std::vector<RecordedMotion> recordings_of(const TuneWords& words) {
+  if (words.trajectories.empty() && !words.up.empty()) {
+    refuse("--up", "no recording has that axis", words.up.front(), "--trajectory with it, or no --up");
+  }
+  if (words.trajectories.empty() && words.lenient) {
+    refuse("--lenient", "there is no recording to be lenient with", "", "--trajectory with it, or no --lenient");
+  }
   if (!words.up.empty() && words.up.size() != 1 && words.up.size() != words.trajectories.size()) {
     refuse("--up", "as many axes as recordings are needed, or one", std::to_string(words.up.size()),
            "1 or " + std::to_string(words.trajectories.size()));
@@ -247,17 +249,15 @@ TuneOptions checked(const TuneWords& words) {
   }
   if (o.still) o.rate_hz = 2000.0;  // 002 6.2.10
   if (!words.rate.empty()) o.rate_hz = number_of("--rate", words.rate, 1.0, 10000.0, "sightings a second, 1 to 10000");
-  const auto whole = [](const std::string& option, const std::string& word, double least, double most) {
-    const double value = number_of(option, word, least, most, "a whole number");
-    if (value != static_cast<double>(static_cast<int>(value))) refuse(option, "not whole", word, "a whole number");
+  const auto whole = [](const std::string& option, const std::string& word, int most) {
+    const std::string expected = "a whole number, 1 to " + std::to_string(most);
+    const double value = number_of(option, word, 1, most, expected.c_str());
+    if (value != static_cast<double>(static_cast<int>(value))) refuse(option, "not whole", word, expected);
     return static_cast<int>(value);
   };
-  o.seeds = whole("--seeds", words.seeds, 1, 100);
-  o.search.max_evaluations = whole("--evaluations", words.evaluations, 1, 100000);
-  const char* const end = words.seed.data() + words.seed.size();
-  const auto read = std::from_chars(words.seed.data(), end, o.seed);
-  if (read.ec != std::errc() || read.ptr != end)
-    refuse("--seed", "not a seed", words.seed, "a whole number, 0 or more");
+  o.seeds = whole("--seeds", words.seeds, 100);
+  o.search.max_evaluations = whole("--evaluations", words.evaluations, 100000);
+  o.seed = seed_of(words.seed);
   if (words.optimiser != "bobyqa" && words.optimiser != "praxis") {
     refuse("--optimiser", "unknown", words.optimiser, "bobyqa or praxis");
   }
@@ -292,7 +292,8 @@ void add_track_tune_command(CLI::App& track_app, int& exit_code) {
   app.add_option("--json", words->json, "Write the results also to this file")->type_name("FILE");
   app.add_flag("--lenient", words->lenient, "Drop and count bad rows of a recording instead of stopping");
   app.footer(
-      "Judge what is found with other motions and seeds than it was found with: swimlab track hiball.\n\n"
+      "Judge what is found with other motions and seeds than it was found with; what we found and kept:\n"
+      "  swimlab track hiball --settings found\n\n"
       "Example:\n  swimlab track tune --trajectory walk.tum,sit.tum --up z --seeds 2 --methods scaat_autocal --json "
       "t.json\n"
       "Exit code: 0 done, 2 wrong use or unreadable input.");

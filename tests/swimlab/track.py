@@ -202,7 +202,23 @@ class Track(Case):
     def test_26_views(self):
         result, rows = self.rows("--seconds", "3", "--methods", "scaat_autocal", "--views", "26")
         self.assertEqual(result["views"], 26)
-        self.assertLess(rows["scaat_autocal", None]["three_point_mm"]["rms"], 1.5)
+        six, rows_of_six = self.rows("--seconds", "3", "--methods", "scaat_autocal")
+        self.assertEqual(six["views"], 6)
+        rms = rows["scaat_autocal", None]["three_point_mm"]["rms"]
+        self.assertNotEqual(rms, rows_of_six["scaat_autocal", None]["three_point_mm"]["rms"])
+        self.assertLess(rms, 1.5)
+
+    def test_settings_that_were_tuned(self):
+        rms = {}
+        for settings in ["own", "found", "dissertation"]:
+            result, rows = self.rows("--seconds", "3", "--methods", "scaat,mcaat10", "--settings", settings)
+            self.assertEqual(result["settings"], settings)
+            rms[settings] = rows["mcaat10", None]["three_point_mm"]["rms"]
+        self.assertEqual(len(set(rms.values())), 3)
+        self.assertLess(rms["found"], rms["dissertation"])
+        self.refused(["track", "hiball", "--settings", "theirs"], "--settings", "own, found or dissertation")
+        self.refused(["track", "hiball", "--settings", "found", "--methods", "joint"], "--settings", "joint has none", "mcaat3")
+        self.refused(["track", "hiball", "--settings", "found", "--scenario", "still", "--methods", "scaat"], "--settings", "motion")
 
     def test_a_recording(self):
         head = pathlib.Path(RECORDINGS) / "head/optitrack_head_120hz.tum"
@@ -222,12 +238,14 @@ class Tune(Case):
     def test_options_are_named_with_value_and_expectation(self):
         for option, value, *expected in [
                 ("--methods", "collinearity10", "nothing to tune", "scaat_autocal"), ("--methods", "scat", "scaat_autocal"),
-                ("--evaluations", "0", "whole number"), ("--evaluations", "1.5", "whole number"), ("--seeds", "many", "whole number"),
+                ("--evaluations", "0", "whole number"), ("--evaluations", "1.5", "whole number"), ("--seeds", "many", "1 to 100"), ("--seeds", "200", "1 to 100"),
                 ("--seed", "-1", "whole number"), ("--seconds", "1", "2 to 3600"), ("--optimiser", "powell", "bobyqa or praxis"),
-                ("--up", "y,z", "one"), ("--rate", "0", "1 to 10000"), ("--json", "none/t.json", "no folder")]:
+                ("--up", "y,z", "--trajectory"), ("--rate", "0", "1 to 10000"), ("--json", "none/t.json", "no folder")]:
             with self.subTest(option=option, value=value):
                 self.refused(["track", "tune", f"{option}={value}"], option, *expected)
         self.refused(["track", "tune", "--trajectory", "none.tum"], "none.tum")
+        self.refused(["track", "tune", "--trajectory", "a.tum,b.tum,c.tum", "--up", "y,z"], "--up", "1 or 3")
+        self.refused(["track", "tune", "--lenient"], "--lenient", "--trajectory")
         self.refused(["track", "tune", "--trajectory", "none.tum", "--still"], "--still", "none.tum")
 
     def test_each_table_of_the_dissertation_has_its_options(self):

@@ -104,7 +104,10 @@ TEST_CASE("joint filter: with a slot for each, it is the textbook's filter of ta
   DenseJointEkf dense(scene.start(), HiBallScene::model());
   const std::size_t allocations = test::allocations();
   for (const BeaconSighting& s : sightings) {
+    const auto expected = filter.expectation(s.t, scene.measurement(s), {table, s.beacon});
+    REQUIRE(expected);
     REQUIRE(filter.update(s.t, scene.measurement(s), {table, s.beacon}) == UpdateStatus::updated);
+    REQUIRE(expected->nis() == doctest::Approx(filter.nis()).epsilon(1e-9));
   }
   CHECK(test::allocations() == allocations);
   for (const BeaconSighting& s : sightings) REQUIRE(dense.update(s.t, scene.measurement(s), s.beacon, designed));

@@ -96,7 +96,11 @@ TEST_CASE("equal to the dense filter of 15 states after 100,000 updates") {
   for (int i = 1; i <= 100000; ++i) {
     const double t = i / rate_hz;
     const Scene::Sighting seen = scene.sighting(t, 3e-6);
+    const bool asks = i % 100 == 0;
+    const auto expected =
+        asks ? filter.expectation(time_at(t), seen.measurement, {beacons, seen.beacon}) : std::nullopt;
     REQUIRE(filter.update(time_at(t), seen.measurement, {beacons, seen.beacon}) == UpdateStatus::updated);
+    if (asks) REQUIRE(expected.value().nis() == doctest::Approx(filter.nis()).epsilon(1e-9));
     DeviceEstimate<3> beacon = dense_beacons.for_sighting(seen.beacon);
     REQUIRE(dense.update(time_at(t), Scene::model(), seen.measurement, beacon));
     dense_beacons.store(seen.beacon, beacon);

@@ -16,9 +16,10 @@
 /// The result holds the best of all that were tried, however the search ended.
 /// Bad input: no parameters, a parameter or setting that cannot be, a cost that is not finite: `problem` names it, and
 /// nothing of NLopt is thrown. Give a filter that diverged a large finite cost. What the cost function throws passes on.
-/// Not for hot paths: it allocates.
+/// Not for hot paths: it allocates. praxis seeds NLopt's random numbers, which the whole program shares.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
@@ -52,6 +53,7 @@ enum class TuningStop {
   evaluations,      ///< the limit of evaluations was reached
   stuck,            ///< rounding stopped the optimiser: seldom far from a minimum
   cost_not_finite,  ///< of the start, or on the way
+  failed,           ///< the optimiser gave up, for the reason in `problem`
   bad_input,
 };
 
@@ -60,7 +62,7 @@ struct TuningResult {
   double start_cost = 0.0, cost = 0.0;
   int evaluations = 0;
   TuningStop stop = TuningStop::bad_input;
-  std::string problem;  ///< of bad_input and cost_not_finite
+  std::string problem;  ///< of what is not ok()
 
   /// Whether the search ended as it should, or by its limit.
   [[nodiscard]] bool ok() const { return stop <= TuningStop::stuck; }
@@ -76,6 +78,8 @@ struct TuningResult {
       return "no further by rounding";
     case TuningStop::cost_not_finite:
       return "cost not finite";
+    case TuningStop::failed:
+      return "the optimiser failed";
     case TuningStop::bad_input:
       return "bad input";
   }
@@ -98,15 +102,17 @@ class TuningSearch {
     for (const TunedParameter& parameter : parameters_) at.push_back(parameter.to_search(parameter.start));
     (void)evaluate(at);  // by itself: bobyqa moves a start that lies close to a bound
     result_.start_cost = result_.cost;
-    for (double before = 2.0 * std::abs(result_.cost) + 1.0;
-         !stopped_ && before - result_.cost > least_gain * std::abs(before);) {
-      before = result_.cost;
-      for (std::size_t i = 0; i < at.size(); ++i) at[i] = parameters_[i].to_search(result_.found[i]);
+    for (bool gains = !stopped_; gains && !stopped_;) {
+      const double before = result_.cost;
+      for (std::size_t i = 0; i < at.size(); ++i) {
+        at[i] = std::clamp(parameters_[i].to_search(result_.found[i]), 0.0, 1.0);  // a logarithm rounds
+      }
       double least = 0.0;
       ended_ = nlopt_optimize(optimiser_, at.data(), &least);
+      gains = before - result_.cost > least_gain * std::abs(before);
     }
     if (thrown_) std::rethrow_exception(thrown_);
-    if (!stopped_) result_.stop = ended_ > 0 ? TuningStop::converged : TuningStop::stuck;
+    if (!stopped_) end();
     return std::move(result_);
   }
 
@@ -148,6 +154,18 @@ class TuningSearch {
     if (result_.evaluations < limit_) return cost;
     result_.stop = TuningStop::evaluations;
     return stop();
+  }
+
+  void end() {
+    if (ended_ > 0) {
+      result_.stop = TuningStop::converged;
+    } else if (ended_ == NLOPT_ROUNDOFF_LIMITED) {
+      result_.stop = TuningStop::stuck;
+    } else {
+      const char* said = nlopt_get_errmsg(optimiser_);
+      result_.stop = TuningStop::failed;
+      result_.problem = said != nullptr ? said : nlopt_result_to_string(ended_);
+    }
   }
 
   double stop() {

@@ -6,11 +6,12 @@
 /// three_point_error.hpp along their weakest direction. When it cannot tell, the camera that looked longest ago comes next.
 /// As with the blind orders the choice is among what is truly visible.
 /// At first all take turns (round-robin). While LEDs are learnt it is the first sightings of each that tie them to the
-/// world; a tracker that chooses already then leaves some untied, and is half as far off again ever after.
+/// world; a tracker that chooses already then leaves some untied, and is up to a third farther off ever after.
 /// Bad input: numbers below 0 are none.
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <utility>
@@ -58,18 +59,20 @@ class InformedOrder {
     std::optional<BeaconSighting> best;
     double most = -1.0;
     for (const bool all : {false, true}) {  // where only those see anything that should rest, one of them looks
-      for (int camera = 0; camera < static_cast<int>(last_look_.size()) && (!all || !best); ++camera) {
+      for (int camera = 0; camera < static_cast<int>(last_look_.size()); ++camera) {
         if (!all && looks_ - last_look(camera) < resting_) continue;
         simulator_->visible(X_WB, camera, visible_);
         if (visible_.empty()) continue;
         const int beacon = *std::ranges::min_element(visible_, {}, [&](int b) { return last_use(b); });
         const BeaconSighting sighting = *simulator_->sight(t, X_WB, camera, beacon);
-        const double reduction = weight ? tracker.expected_reduction(sighting, *weight).value_or(0.0) : 0.0;
+        const double told = weight ? tracker.expected_reduction(sighting, *weight).value_or(0.0) : 0.0;
+        const double reduction = std::isfinite(told) ? told : 0.0;
         if (reduction > most || (reduction == most && last_look(camera) < last_look(best->camera))) {
           most = reduction;
           best = sighting;
         }
       }
+      if (best) break;
     }
     return best;
   }

@@ -154,7 +154,7 @@ inline TrackRow run_tracker(HiBallTracker& tracker, const SightingSource& source
     spent += Clock::now() - begin;
     ++row.sightings;
     row.gated += tracker.turned_away();
-    row.renamed += tracker.renamed();
+    row.renamed += tracker.renamed().has_value();
     nis_mean.add(tracker.nis());
     const Rigid X_WB = truth.at(sighting.t).X_WB;
     if (fresh) {

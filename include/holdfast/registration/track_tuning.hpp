@@ -8,10 +8,10 @@
 ///   lateral, height, turn_x, turn_y, turn_z   mu[lambda], mu[z], mu[phi], mu[theta], mu[psi]: the process noise's
 ///       spectral density, m^2/s^3 and rad^2/s^3. 002 prints [m/s^2]^2 and [rad/s^2]^2; its eq. 4.8 multiplies them by
 ///       time alone, as ours does, so numbers are the same
-///   initial   xi_b, a beacon's first variance, m^2 an axis
-///   wander    mu[b], what a beacon's variance gains, m^2 an axis. 002 adds it at every sighting (6.1.3). Ours is none,
-///       and is not tuned: with any, a HiBall at rest drifts away with its beacons
 ///   residual  what stays of a beacon's variance however often it is seen, m^2 an axis. 002 has none
+///   initial   xi_b, a beacon's first variance, m^2 an axis
+/// 002 has mu[b] as well, the wander: what a beacon's variance gains, m^2 an axis, added at every sighting (6.1.3). Ours
+/// is none, and is not tuned: with any, a HiBall at rest drifts away with its beacons.
 /// Bad input: no run costs nothing; a method without a filter has no parameters.
 #pragma once
 
@@ -35,7 +35,8 @@ struct TrainingRun {
 
 inline constexpr double lost_cost = 1.0;  ///< m
 
-/// In the order of the list above, starting from a method's settings: intensities within a thousand times. Empty for a method without a filter.
+/// In the order of the list above, starting from a method's settings: intensities within a thousand times. Empty for a
+/// method without a filter.
 [[nodiscard]] inline std::vector<TunedParameter> tuned_parameters(TrackMethod method, const TrackParameters& start) {
   if (method == TrackMethod::collinearity10) return {};
   std::vector<TunedParameter> list;
@@ -59,7 +60,8 @@ inline constexpr double lost_cost = 1.0;  ///< m
 /// A method's settings with values of `tuned_parameters`' list.
 [[nodiscard]] inline TrackParameters with_tuned(TrackParameters parameters, std::span<const double> values) {
   HOLDFAST_ASSERT(values.size() == (parameters.autocalibrate ? 7U : 6U), "the values of tuned_parameters");
-  parameters.process = PvModel::hiball(values[0], values[1], Vector3(values[2], values[3], values[4]));
+  parameters.process.intensity =
+      PvModel::hiball(values[0], values[1], Vector3(values[2], values[3], values[4])).intensity;
   parameters.beacons.residual_variance.setConstant(values[5]);
   if (parameters.autocalibrate) parameters.beacons.initial_variance.setConstant(values[6]);
   return parameters;

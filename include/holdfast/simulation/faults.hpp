@@ -58,6 +58,7 @@ inline void misidentify(std::vector<BeaconSighting>& sightings, const HiBallSimu
       const int place = s.beacon % CeilingLayout::leds_along;
       others.push_back(place + 1 < CeilingLayout::leds_along ? s.beacon + 1 : s.beacon - 1);
     }
+    if (!s.faults.wrong_beacon) s.faults.true_beacon = s.beacon;
     s.beacon = others[static_cast<std::size_t>(numbers.below(static_cast<int>(others.size())))];
     s.faults.wrong_beacon = true;
   }

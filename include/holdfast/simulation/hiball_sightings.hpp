@@ -22,6 +22,7 @@ namespace holdfast {
 /// What faults.hpp did to a sighting: for judging a tracker, which must not look.
 struct SightingFaults {
   bool wrong_beacon = false;
+  std::optional<int> true_beacon;  ///< where another was named
   bool noise_burst = false;
   bool panel_moved = false;
   bool clock_jumped = false;

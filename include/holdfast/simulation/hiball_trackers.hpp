@@ -57,8 +57,8 @@ class HiBallTracker {
   [[nodiscard]] virtual std::optional<double> nis() const { return std::nullopt; }
   /// Whether the last sighting was turned away by a gate or for a bad beacon's sake, under the name that it came with.
   [[nodiscard]] virtual bool turned_away() const { return false; }
-  /// Whether it counted under another name then.
-  [[nodiscard]] virtual bool renamed() const { return false; }
+  /// The beacon that it counted as then; nothing when it did not count.
+  [[nodiscard]] virtual std::optional<int> renamed() const { return std::nullopt; }
   /// How much of the weighted mean square of the pose's error such a sighting would take away (measurement_ordering.hpp);
   /// nothing from trackers that do not tell, and while there is no pose. What was seen does not matter.
   [[nodiscard]] virtual std::optional<double> expected_reduction(const BeaconSighting& /*sighting*/,
@@ -110,7 +110,8 @@ class SearchingTracker : public HiBallTracker {
         tracking_(false) {}
 
   bool add(const BeaconSighting& sighting) override {
-    turned_away_ = renamed_ = false;
+    turned_away_ = false;
+    renamed_.reset();
     nis_.reset();
     remember(sighting);
     if (tracking_ && (filter_.gate().lost() || sighting.t - filter_.state().t > again_.longest_gap)) tracking_ = false;
@@ -119,14 +120,14 @@ class SearchingTracker : public HiBallTracker {
     turned_away_ = status == UpdateStatus::gated || status == UpdateStatus::on_probation;
     if (turned_away_ || status == UpdateStatus::updated) nis_ = filter_.nis();
     if (status == UpdateStatus::updated) renamed_in_a_row_ = 0;
-    if (status == UpdateStatus::gated) renamed_ = counts_renamed(sighting);
-    return status == UpdateStatus::updated || renamed_;
+    if (status == UpdateStatus::gated) renamed_ = update_renamed(sighting);
+    return status == UpdateStatus::updated || renamed_.has_value();
   }
   [[nodiscard]] const Rigid& X_WB() const override { return filter_.state().X_WB; }
   [[nodiscard]] const TargetState<2>* state() const override { return &filter_.state(); }
   [[nodiscard]] std::optional<double> nis() const override { return nis_; }
   [[nodiscard]] bool turned_away() const override { return turned_away_; }
-  [[nodiscard]] bool renamed() const override { return renamed_; }
+  [[nodiscard]] std::optional<int> renamed() const override { return renamed_; }
   [[nodiscard]] std::optional<double> expected_reduction(const BeaconSighting& sighting,
                                                          const Matrix6& weight) override {
     if (!tracking_) return std::nullopt;
@@ -155,17 +156,18 @@ class SearchingTracker : public HiBallTracker {
     return filter_.update(sighting.t, camera_sighting(*rig_, sighting), {*beacons_, beacon});
   }
 
-  /// Of a sighting that was gated: whether it is an update under another name.
-  bool counts_renamed(const BeaconSighting& sighting) {
-    if (renaming_.in_a_row == 0 || filter_.gate().window() > 1.0) return false;
+  /// Of a sighting that was gated: the other name under which it is an update.
+  std::optional<int> update_renamed(const BeaconSighting& sighting) {
+    if (renaming_.in_a_row == 0 || filter_.gate().window() > 1.0) return std::nullopt;
     const TargetState<2>& state = filter_.state();
     const double dt = to_seconds(sighting.t - state.t);
     const Rigid X_WB(state.X_WB.q() * so3::exp<double>(dt * state.velocity.w_WB_B),
                      state.X_WB.p() + dt * state.velocity.v_WB);
     const auto beacon = nearest_beacon(*rig_, *beacons_, X_WB, sighting.camera, sighting.uv, renaming_.nearest);
-    if (!beacon || *beacon == sighting.beacon || update(sighting, *beacon) != UpdateStatus::updated) return false;
+    if (!beacon || *beacon == sighting.beacon) return std::nullopt;
+    if (update(sighting, *beacon) != UpdateStatus::updated) return std::nullopt;
     if (++renamed_in_a_row_ == renaming_.in_a_row) tracking_ = false;
-    return true;
+    return beacon;
   }
 
   bool search(HostTime t) {
@@ -206,7 +208,8 @@ class SearchingTracker : public HiBallTracker {
   ReacquisitionSettings again_;
   RenamingSettings renaming_;
   bool tracking_;
-  bool turned_away_ = false, renamed_ = false;
+  bool turned_away_ = false;
+  std::optional<int> renamed_;
   int renamed_in_a_row_ = 0;
   int searches_ = 0;
   std::optional<double> nis_;

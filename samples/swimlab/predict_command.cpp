@@ -1,4 +1,6 @@
 /// swimlab predict: how far predictors are off on a recording (001's figure 6).
+#include <algorithm>
+#include <array>
 #include <cstdio>
 
 #include <holdfast/io/inertial_files.hpp>
@@ -127,6 +129,21 @@ void print_sensors(const ResultJson& inertial) {
   std::printf("\n");
 }
 
+/// Throws when no reading was made while poses were.
+void check_overlap(const std::vector<InertialReading>& readings, const std::vector<TimedPose>& poses,
+                   const PredictOptions& options) {
+  if (readings.empty() || poses.empty()) return;
+  const auto seconds = [](HostTime t) { return to_seconds(t.time_since_epoch()); };
+  const auto [first, last] = std::ranges::minmax_element(readings, {}, &InertialReading::t);
+  if (first->t <= poses.back().t && last->t >= poses.front().t) return;
+  std::array<char, 200> text;
+  std::snprintf(text.data(), text.size(), "its readings, %.3f to %.3f s, do not overlap with the poses, %.3f to %.3f s",
+                seconds(first->t), seconds(last->t), seconds(poses.front().t), seconds(poses.back().t));
+  throw io::InputError({.file = options.imu.string(),
+                        .problem = text.data(),
+                        .expected = "readings stamped by the clock of " + options.trajectory.string()});
+}
+
 }  // namespace
 
 int predict(const PredictOptions& options) {
@@ -138,6 +155,7 @@ int predict(const PredictOptions& options) {
       options.imu.empty()
           ? (recording.samples.size() < 2 ? std::vector<InertialReading>() : simulate_inertial(recording.samples))
           : io::read_inertial(options.imu);
+  check_overlap(inertial, recording.samples, options);
   const std::string readings =
       options.imu.empty()
           ? "simulated along the recording below 10 Hz: 500 Hz, noise 0.005 rad/s and 0.01 m/s2 a reading"

@@ -16,6 +16,7 @@ PredictorEvaluation evaluated(const std::vector<TimedPose>& poses, const std::ve
                               const std::vector<InertialReading>& readings, const PoseNoise& noise, const char* what) {
   EvaluationSettings settings;  // 60 ms
   settings.filter.noise = noise;
+  settings.truth_noise = PoseFilterSettings().noise;  // the recording's own
   settings.inertial = readings;
   const PredictorEvaluation e = evaluate_predictors(poses, truth, settings);
   for (const PredictorRow& row : e.rows) {
@@ -58,4 +59,6 @@ TEST_CASE("the head recording at 60 ms: inertial sensors help, most where poses 
   CHECK(4.0 * bad.rows.back().angle_deg.mean < bad.rows[0].angle_deg.mean);
   CHECK(2.0 * bad.rows.back().angle_deg.mean < bad.rows[2].angle_deg.mean);
   CHECK(2.5 * bad.rows.back().position_mm.mean < bad.rows[2].position_mm.mean);
+  CHECK(bad.rows.back().inside_95_pct.value() > 90.0);
+  CHECK(bad.rows.back().inside_95_pct.value() < 98.0);
 }

@@ -13,7 +13,8 @@
 /// constant rate), or a truth of your own, such as its non-causal 10 Hz low-pass (001 appendix B).
 ///   angle error     angle of R_true^-1 R_predicted, degrees (001 section 5.3 prints 2 cos(qw) for 2 acos(|qw|))
 ///   position error  |p_predicted - p_true|, millimetres
-///   inside_95       how many errors lie inside the ellipsoid that should hold 95 % of them, %
+///   inside_95       how many errors lie inside the ellipsoid that should hold 95 % of them, %; the filters' ellipsoids by the
+///                   noise of the truth larger
 ///
 /// A sample is left out when a gap (an interval longer than five medians) lies between its velocity's start and its
 /// truth, or when the recording ends before: counted in `skipped`. All rows speak of the same samples, in the order above.
@@ -72,6 +73,8 @@ struct EvaluationSettings {
   PoseFilterSettings filter;
   /// In the order of their times; none: no rows of inertial predictors.
   std::span<const InertialReading> inertial;
+  /// Of the truth, independent of the samples'. Nothing: it is measured as they are, as noisy as a filter takes them for.
+  std::optional<PoseNoise> truth_noise;
 };
 
 /// Names of the rows, in their order; the last three only with inertial readings.
@@ -173,11 +176,13 @@ struct RowRecorder {
   std::vector<Vector3> error_vectors;
   std::size_t judged = 0, inside = 0;
 
-  void add(const PredictionResult& predicted, const Rigid& X_WB_true) {
+  void add(const PredictionResult& predicted, const Rigid& X_WB_true, const PoseNoise& truth = {0.0, 0.0}) {
     row.errors.push_back(error_of(predicted, X_WB_true));
     const Vector3 turned = so3::log<double>(predicted.X_WB.q().conjugate() * X_WB_true.q());
     error_vectors.push_back(turned);
-    const Eigen::LLT<Matrix6> cholesky(predicted.covariance);
+    Matrix6 covariance = predicted.covariance;
+    add_isotropic(covariance, truth.position_m, truth.orientation_rad);
+    const Eigen::LLT<Matrix6> cholesky(covariance);
     if (cholesky.info() != Eigen::Success) return;
     Vector6 error;
     error << X_WB_true.p() - predicted.X_WB.p(), turned;
@@ -289,7 +294,8 @@ class InertialFollower {
       rows[k].add(predict(predictors[k], estimate, target, settings.limits), X_WB_true);
     }
     const StatePredictionLimits limits{settings.limits.maximum_interval};
-    rows[2].add(predict_state(filter.state(), filter.model(), target, limits), X_WB_true);
+    rows[2].add(predict_state(filter.state(), filter.model(), target, limits), X_WB_true,
+                settings.truth_noise.value_or(settings.filter.noise));
     // A window earlier; where the stretch begins later, the velocity is taken for constant.
     const HostTime earliest = std::max(earlier - (t - earlier), stretches.first[i]);
     const Twist velocity_before = earliest < earlier
@@ -303,7 +309,7 @@ class InertialFollower {
     rows[5].add(detail::extrapolated(estimate, by_gyro, {Vector3::Zero(), inertial->raw_acceleration()}, target),
                 X_WB_true);
     const InertialPrediction predicted = inertial->predictor().predict(target);
-    rows[6].add(predicted, X_WB_true);
+    rows[6].add(predicted, X_WB_true, settings.truth_noise.value_or(inertial->predictor().filter().pose_noise()));
     evaluation.by_poses += predicted.by == PredictedBy::inertial ? 0 : 1;
   }
   if (inertial) evaluation.sensors = inertial->predictor().filter().state();

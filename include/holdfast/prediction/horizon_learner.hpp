@@ -3,8 +3,8 @@
 ///
 /// Every pose ends predictions that could have been made before it: the trends remembered from 10, 20, 40, 60, 100 and 200 ms
 /// ago are examples for the weights of these horizons (fading_least_squares.hpp), and what was predicted then errs by what
-/// the covariance is made of (error_spread.hpp). Nothing is learnt from a pose before it is there. Between the horizons
-/// weights are interpolated, and covariances over the horizon's cube, between which they grow.
+/// the covariance is made of (error_spread.hpp). Nothing is learnt from a pose before it is there. Examples rarely meet a
+/// horizon; what was learnt counts for their mean. Between these, weights are interpolated, and covariances as powers of time.
 /// Units: s, rad, m. Hot path: nothing here allocates.
 /// Bad input: precondition finite trends and poses. An example of a horizon that is not met within 8 ms (or 15 %) is left out.
 #pragma once
@@ -26,6 +26,16 @@ struct HorizonWeights {
   Matrix3 move_covariance = Matrix3::Zero();  ///< W, m^2
 };
 
+namespace detail {
+
+/// Between covariances as if their size were a power of the time, between which `part` lies on a logarithmic scale.
+[[nodiscard]] inline Matrix3 between_covariances(const Matrix3& a, const Matrix3& b, double part) {
+  const double growth = b.trace() / a.trace(), of_b = std::pow(growth, part - 1.0);
+  return (1.0 - part) * of_b * growth * a + part * of_b * b;
+}
+
+}  // namespace detail
+
 struct HorizonLearnerSettings {
   double memory_s = 2.0;         ///< of the weights
   double spread_memory_s = 1.0;  ///< of the covariance
@@ -42,6 +52,7 @@ class HorizonLearner {
     for (std::size_t k = 0; k < horizons.size(); ++k) {
       const double h = horizons[k];
       learners_.push_back({{}, {}, ErrorSpread(1e-3 + 5.0 * h * h, 1e-3 + 1.0 * h * h)});
+      met_[k] = h;
       publish(k, h);
     }
   }
@@ -74,27 +85,26 @@ class HorizonLearner {
 
   /// For h seconds after the newest reading. Beyond the last horizon the covariance grows with the cube of the time.
   [[nodiscard]] HorizonWeights at(double h) const {
-    if (h <= horizons.front()) return weights_.front();
-    if (h >= horizons.back()) {
+    if (h <= met_.front()) return weights_.front();
+    if (h >= met_.back()) {
       HorizonWeights last = weights_.back();
-      const double growth = cube(h / horizons.back());
+      const double growth = std::pow(h / met_.back(), 3);
       last.turn_covariance *= growth;
       last.move_covariance *= growth;
       return last;
     }
     std::size_t k = 1;
-    while (h > horizons[k]) ++k;
-    const double part = (h - horizons[k - 1]) / (horizons[k] - horizons[k - 1]);
+    while (h > met_[k]) ++k;
+    const double part = std::log(h / met_[k - 1]) / std::log(met_[k] / met_[k - 1]);
     const HorizonWeights &a = weights_[k - 1], &b = weights_[k];
-    const double of_a = (1.0 - part) * cube(h / horizons[k - 1]), of_b = part * cube(h / horizons[k]);
     return {(1.0 - part) * a.turn + part * b.turn, (1.0 - part) * a.move + part * b.move,
-            of_a * a.turn_covariance + of_b * b.turn_covariance, of_a * a.move_covariance + of_b * b.move_covariance};
+            detail::between_covariances(a.turn_covariance, b.turn_covariance, part),
+            detail::between_covariances(a.move_covariance, b.move_covariance, part)};
   }
 
  private:
   static constexpr double nearest_s = 0.008;
   static constexpr double largest_weight = 10.0;  ///< no trend is worth more; bad luck in a few examples may say so
-  [[nodiscard]] static double cube(double x) { return x * x * x; }
 
   using AllWeights = std::array<HorizonWeights, horizons.size()>;
   struct Moment {
@@ -106,6 +116,10 @@ class HorizonLearner {
     FadingLeastSquares<MotionTrend::moves> move;
     ErrorSpread spread;
   };
+
+  /// Horizons' own ranges do not touch.
+  [[nodiscard]] static double earliest(std::size_t k) { return k == 0 ? 0.5 * horizons[0] : 0.82 * horizons[k]; }
+  [[nodiscard]] static double latest(std::size_t k) { return 1.2 * horizons[k]; }
 
   [[nodiscard]] const Moment* nearest(HostTime t, double horizon) const {
     const Moment* best = nullptr;
@@ -128,14 +142,12 @@ class HorizonLearner {
     const auto moves = trend.move_over(h);
     const Vector3 turned = so3::log<double>(trend.X_WS.q().conjugate() * pose.X_WB.q());
     const Vector3 moved = pose.X_WB.p() + pose.X_WB.q() * trend.lever_B - trend.X_WS.p();
-    // What was said then, scaled to the horizon's own length.
+    met_[k] += 0.02 * (std::clamp(h + trend.gap, earliest(k), latest(k)) - met_[k]);
     const HorizonWeights& said = then.weights[k];
     const Rigid X = trend.carried(turns * said.turn, moves * said.move);
-    const double ratio = horizons[k] / (h + trend.gap), scale = ratio > 1.0 ? ratio * ratio : ratio;  // the safe side
     const double fade = std::exp(-since / settings_.spread_memory_s);
     const Vector3 turn_error = so3::log<double>(X.q().conjugate() * pose.X_WB.q());
-    learner.spread.add(scale * turn_error, scale * (pose.X_WB.p() - X.p()), said.turn_covariance, said.move_covariance,
-                       fade);
+    learner.spread.add(turn_error, pose.X_WB.p() - X.p(), said.turn_covariance, said.move_covariance, fade);
 
     const double weights_fade = std::exp(-since / settings_.memory_s);
     learner.turn.add(turns, turned, weights_fade);
@@ -160,6 +172,7 @@ class HorizonLearner {
 
   HorizonLearnerSettings settings_;
   std::vector<Learner> learners_;
+  std::array<double, horizons.size()> met_;  ///< what the horizons of the examples were of late; these increase
   AllWeights weights_;
   std::array<Moment, 64> moments_;
   std::size_t first_ = 0, count_ = 0;

@@ -12,9 +12,9 @@
 ///   r.by       inertial; poses, when the gyro cannot be believed or the poses are long ago: then a PoseFilter of the poses
 ///              alone predicts; source, when `source_predicts`: the newest pose as it is, not predicted twice
 ///   r.gyro, r.accelerometer   what is wrong with them (inertial_health.hpp). Without accelerometer it stays inertial.
-/// Covariance: of (dp, dphi), without cross terms, against poses as they are measured: their noise is in it. It is learnt from
-/// predictions between poses; where poses are missing, and for half a second after a start, the filter's own covariance says what
-/// comes to it (inertial_spread.hpp).
+/// Covariance: of (dp, dphi), without cross terms, against the true pose. It is learnt from predictions between poses, less the
+/// noise that these were found to have; it is not taken for smaller than the filter's own. Where poses are missing, and for half
+/// a second after a start, the filter's covariance says what comes to it (inertial_spread.hpp).
 /// Hot path: nothing here allocates (but the constructor), locks or throws.
 /// Bad input: readings and poses that are not finite, or that go back in time, are refused and named; ten in a row are a clock that
 /// was set back, and followed. A pose that no head could have is rejected, and nothing learnt from it.
@@ -23,10 +23,11 @@
 #include <algorithm>
 #include <optional>
 
+#include <holdfast/prediction/guarded_pose_filter.hpp>
 #include <holdfast/prediction/horizon_learner.hpp>
+#include <holdfast/prediction/learnt_uncertainty.hpp>
 #include <holdfast/prediction/state_prediction.hpp>
-#include <holdfast/tracking/inertial_health.hpp>
-#include <holdfast/tracking/pose_filter.hpp>
+#include <holdfast/tracking/inertial_watch.hpp>
 
 namespace holdfast {
 
@@ -58,7 +59,8 @@ class InertialPredictor {
       : settings_(settings),
         filter_(settings.filter),
         learner_(settings.learner),
-        poses_(settings.model, settings.poses) {}
+        poses_(settings.model, settings.poses),
+        sensors_(settings.ranges) {}
 
   /// False: refused.
   bool update(const InertialReading& reading) {
@@ -68,8 +70,7 @@ class InertialPredictor {
     read_ = reading.t;
     backwards_ = 0;
     reading_interval_s_ += 0.1 * (std::min(since, to_seconds(longest_silence)) - reading_interval_s_);
-    gyro_.read(reading.t, reading.rate_B, std::min(settings_.ranges.rate, fastest_rad_s));
-    accelerometer_.read(reading.t, reading.force_B, std::min(settings_.ranges.force, hardest_m_s2));
+    sensors_.read(reading);
     use_force(reading, since);
     const InertialHistory& history = filter_.history();
     const HostTime before = history.empty() ? reading.t : history.newest().t;
@@ -83,14 +84,15 @@ class InertialPredictor {
   }
 
   InertialPoseUpdate update(const TimedPose& pose) {
-    const InertialPoseUpdate by_poses = update_poses(pose);
+    const InertialPoseUpdate by_poses = poses_.update(pose);
     if (by_poses == InertialPoseUpdate::refused) return by_poses;
+    if (poses_.clock_was_set_back()) is_inertial_ = false;
     const bool was_inertial = is_inertial_;
     InertialPoseUpdate status = by_poses;
     if (was_inertial && is_connected(pose.t)) status = filter_.update(pose);
     check_sensors(pose, by_poses, status);
     measured_ = pose;
-    is_inertial_ = gyro_.fault(pose.t) == SensorFault::none && !filter_.history().empty();
+    is_inertial_ = sensors_.gyro(pose.t) == SensorFault::none && !filter_.history().empty();
     if (!is_inertial_) status = by_poses;
     if (is_inertial_ && !was_inertial) {
       is_inertial_ = by_poses != InertialPoseUpdate::rejected;
@@ -109,7 +111,7 @@ class InertialPredictor {
 
   [[nodiscard]] InertialPrediction predict(HostTime t) const {
     InertialPrediction result;
-    if (!poses_.is_started()) {
+    if (!poses_.filter().is_started()) {
       result.t = t;
       result.status = PredictionStatus::no_velocity;
     } else if (settings_.source_predicts) {
@@ -117,17 +119,18 @@ class InertialPredictor {
     } else if (is_inertial()) {
       result = by_inertial(t);
     } else {
-      static_cast<PredictionResult&>(result) = predict_state(poses_.state(), settings_.model, t, settings_.limits);
+      static_cast<PredictionResult&>(result) =
+          predict_state(poses_.filter().state(), settings_.model, t, settings_.limits);
       result.by = PredictedBy::poses;
     }
-    result.gyro = gyro_.fault(measured_.t);
-    result.accelerometer = accelerometer_.fault(measured_.t);
+    result.gyro = sensors_.gyro(measured_.t);
+    result.accelerometer = sensors_.accelerometer(measured_.t);
     return result;
   }
 
   /// What was found out about the sensors.
   [[nodiscard]] const InertialFilter& filter() const { return filter_; }
-  [[nodiscard]] const PoseFilter<3>& pose_filter() const { return poses_; }
+  [[nodiscard]] const PoseFilter<3>& pose_filter() const { return poses_.filter(); }
   /// Whether the inertial sensors are what predictions are made from.
   [[nodiscard]] bool is_inertial() const {
     return is_inertial_ && filter_.now().t - filter_.state().t < settings_.filter.longest_gap;
@@ -136,22 +139,20 @@ class InertialPredictor {
  private:
   static constexpr Duration longest_silence = std::chrono::milliseconds(50), rare = std::chrono::milliseconds(12),
                             often = std::chrono::milliseconds(5);  ///< between the moments to learn from
-  static constexpr int new_clock_after = 10;  ///< readings, or poses, in a row that are older than the newest
-  static constexpr int patience = 4;          ///< poses in a row that no head could have
+  static constexpr int new_clock_after = 10;                       ///< readings in a row that are older than the newest
 
   /// One said twice, or a little late, is left out quietly.
   bool refuse_backwards(const InertialReading& reading) {
     if (reading.t == *read_) return false;
     ++backwards_;
     if (backwards_ > 2 || to_seconds(*read_ - reading.t) > 4.0 * reading_interval_s_) {
-      gyro_.report(SensorFault::time_backwards, measured_.t);
-      accelerometer_.report(SensorFault::time_backwards, measured_.t);
+      sensors_.report(SensorFault::time_backwards, measured_.t);
     }
     if (backwards_ < new_clock_after) return false;
     filter_.forget_readings();
     learner_.forget_moments();
     acceleration_W_.restart();
-    gravity_.restart();
+    sensors_.restart_gravity();
     backwards_ = 0;
     read_ = reading.t;
     return filter_.update(reading);
@@ -159,16 +160,12 @@ class InertialPredictor {
 
   /// Whether the reading's force counts. When gravity was wrong and is so no more, what was learnt with it goes.
   void use_force(const InertialReading& reading, double since) {
-    const auto is_weighed = [&] {
-      const SensorFault fault = accelerometer_.fault(reading.t);
-      return fault == SensorFault::none || fault == SensorFault::wrong_gravity;
-    };
-    if (since > to_seconds(longest_silence)) gravity_.restart();
-    if (is_weighed() && is_inertial() && reading.has_force()) {
-      gravity_.add(filter_.now().X_WS.q() * (reading.force_B - filter_.state().bias.force_B), since);
-      if (gravity_.contradicts()) accelerometer_.report(SensorFault::wrong_gravity, reading.t);
+    if (since > to_seconds(longest_silence)) sensors_.restart_gravity();
+    if (is_inertial() && reading.has_force()) {
+      const Vector3 force_B = reading.force_B - filter_.state().bias.force_B;
+      sensors_.weigh(reading.t, filter_.now().X_WS.q() * force_B, since);
     }
-    const SensorFault fault = accelerometer_.fault(reading.t);
+    const SensorFault fault = sensors_.accelerometer(reading.t);
     gravity_was_wrong_ = gravity_was_wrong_ || fault == SensorFault::wrong_gravity;
     filter_.use_force(fault == SensorFault::none);
     if (fault != SensorFault::none || !gravity_was_wrong_) return;
@@ -185,52 +182,12 @@ class InertialPredictor {
   void learn(const TimedPose& pose, InertialPoseUpdate status) {
     if (status == InertialPoseUpdate::updated) {
       learner_.learn(pose);
-      const double since = to_seconds(pose.t - previous_.t);
-      pose_interval_s_ += (pose_interval_s_ > 0.0 ? 0.05 : 1.0) * (since - pose_interval_s_);
     } else {
       learner_.forget_moments();
-      settled_ = pose.t + std::chrono::milliseconds(500);
     }
-    spread_ = filter_.spread();
-    if (pose.t >= settled_) {
-      usual_spread_.place += 0.05 * (spread_.place - usual_spread_.place);
-      usual_spread_.turn += 0.05 * (spread_.turn - usual_spread_.turn);
-    }
+    uncertainty_.update(filter_, status);
     trend_ = motion_trend(filter_, acceleration_W_);
     remember(often);
-  }
-
-  /// Of the poses alone. PoseFilter believes everything: what no head does is kept from it, unless it comes again and again.
-  InertialPoseUpdate update_poses(const TimedPose& pose) {
-    if (!is_usual(pose.t) || !pose.X_WB.is_finite()) return InertialPoseUpdate::refused;
-    if (poses_.is_started() && pose.t <= poses_.state().t) {
-      if (++refused_ < new_clock_after) return InertialPoseUpdate::refused;
-      is_inertial_ = false;  // their clock was set back: begin anew
-      return start_poses(pose);
-    }
-    if (contradicts(pose)) return ++doubted_ < patience ? InertialPoseUpdate::rejected : start_poses(pose);
-    const PoseFilterStatus status = poses_.update(pose);
-    if (status == PoseFilterStatus::refused) return InertialPoseUpdate::refused;
-    refused_ = doubted_ = 0;
-    return status == PoseFilterStatus::updated ? InertialPoseUpdate::updated : InertialPoseUpdate::started;
-  }
-  InertialPoseUpdate start_poses(const TimedPose& pose) {
-    if (!(pose.X_WB.p().squaredNorm() < 1e18)) return InertialPoseUpdate::refused;
-    poses_.start(pose);
-    refused_ = doubted_ = 0;
-    return InertialPoseUpdate::started;
-  }
-  /// Eight standard deviations off, of poses that are noisy by 10 mm and 1 degree.
-  [[nodiscard]] bool contradicts(const TimedPose& pose) const {
-    if (!poses_.is_started() || pose.t - poses_.state().t > settings_.poses.longest_gap) return false;
-    const PredictionResult expected = predict_state(poses_.state(), settings_.model, pose.t, settings_.limits);
-    const auto is_off = [](double square, double variance, double noise) {
-      return !(square < 64.0 * (variance + noise * noise));
-    };
-    const double turn = so3::angle_between<double>(expected.X_WB.q(), pose.X_WB.q());
-    const Vector6 variance = expected.covariance.diagonal();
-    return is_off((pose.X_WB.p() - expected.X_WB.p()).squaredNorm(), variance.head<3>().sum(), 0.01) ||
-           is_off(turn * turn, variance.tail<3>().sum(), 0.0175);
   }
 
   /// Whether readings that can be integrated come until the pose.
@@ -240,31 +197,16 @@ class InertialPredictor {
   }
 
   void check_sensors(const TimedPose& pose, InertialPoseUpdate by_poses, InertialPoseUpdate status) {
-    if (!read_ || pose.t - *read_ > longest_silence) {
-      gyro_.report(SensorFault::disconnected, pose.t);
-      accelerometer_.report(SensorFault::disconnected, pose.t);
-    }
+    if (!read_ || pose.t - *read_ > longest_silence) sensors_.report(SensorFault::disconnected, pose.t);
     if (!is_connected(pose.t) || by_poses == InertialPoseUpdate::started) return;
-    compare_turns(pose, status);
-    if (by_poses != InertialPoseUpdate::updated || status == InertialPoseUpdate::rejected) return;
-    const InertialState& state = filter_.state();
-    gyro_.expect(pose.t, poses_.state().velocity.w_WB_B + state.bias.rate_B, 0.5);
-    if (!filter_.is_started()) return;
-    accelerometer_.expect(pose.t, state.bias.force_B - pose.X_WB.q().conjugate() * state.gravity_W, 3.0);
-  }
-
-  /// Turns to rejected poses count when the filter had to begin anew from them; those to a lone one never.
-  void compare_turns(const TimedPose& pose, InertialPoseUpdate status) {
+    // Turns to rejected poses count when the filter had to begin anew from them; those to a lone one never.
     const bool believed = status == InertialPoseUpdate::updated;
     const TimedPose& from = believed ? previous_ : measured_;
-    if (from.t >= pose.t || pose.t - from.t > settings_.poses.longest_gap) return;
-    const StrapdownIncrement turned = filter_.history().integrate(
-        from.t + filter_.time_offset(), pose.t + filter_.time_offset(), filter_.state().bias, Vector3::Zero());
-    (believed ? turns_ : doubtful_turns_)
-        .add(so3::log<double>(turned.q), so3::log<double>(from.X_WB.q().conjugate() * pose.X_WB.q()));
-    if (believed) doubtful_turns_ = turns_;
-    if (status == InertialPoseUpdate::started) turns_ = doubtful_turns_;
-    if (turns_.contradicts(filter_.pose_noise().orientation_rad)) gyro_.report(SensorFault::inconsistent, pose.t);
+    if (from.t < pose.t && pose.t - from.t <= settings_.poses.longest_gap) {
+      sensors_.compare_turn(filter_, from, pose, believed, status == InertialPoseUpdate::started);
+    }
+    if (by_poses != InertialPoseUpdate::updated || status == InertialPoseUpdate::rejected) return;
+    sensors_.expect(filter_, pose, poses_.filter().state().velocity.w_WB_B);
   }
 
   [[nodiscard]] InertialPrediction as_measured(HostTime t) const {
@@ -291,7 +233,7 @@ class InertialPredictor {
     result.X_WB = trend_.carried(trend_.turn_rates * turn, trend_.move_rates * move);
     result.covariance.topLeftCorner<3, 3>() = weights.move_covariance;
     result.covariance.bottomRightCorner<3, 3>() = weights.turn_covariance;
-    add_growth(result.covariance, std::max(0.0, h));
+    uncertainty_.complete(result.covariance, filter_, trend_.t, std::max(0.0, h));
     if (asked == h) return result;
     result.status = asked > h ? PredictionStatus::clamped : PredictionStatus::backwards;
     Vector6 missed;  // held there: what the velocity says of the rest is an error
@@ -300,34 +242,20 @@ class InertialPredictor {
     return result;
   }
 
-  /// By how much the pose is more uncertain than it was when the covariance was learnt.
-  void add_growth(Matrix6& covariance, double h) const {
-    const double since = to_seconds(trend_.t - filter_.state().t), usual = pose_interval_s_ + h;
-    if (since <= 1.5 * pose_interval_s_ && filter_.state().t >= settled_) return;
-    const double place = spread_.place_m2(since + h) - usual_spread_.place_m2(usual);
-    const double turn = spread_.turn_rad2(since + h) - usual_spread_.turn_rad2(usual);
-    covariance.diagonal().head<3>().array() += std::max(0.0, place);
-    covariance.diagonal().tail<3>().array() += std::max(0.0, turn);
-  }
-
   InertialPredictorSettings settings_;
   InertialFilter filter_;
   HorizonLearner learner_;
-  PoseFilter<3> poses_;
+  LearntUncertainty uncertainty_;
+  GuardedPoseFilter poses_;
+  InertialWatch sensors_;
   AccelerationTrend acceleration_W_;
-  TriadHealth gyro_, accelerometer_;
-  GravityCheck gravity_;
-  TurnComparison turns_, doubtful_turns_;  ///< those between believed poses; and with the rejected ones since
   MotionTrend trend_;
-  PoseSpread spread_, usual_spread_;  ///< after the newest pose, and of late
-  double pose_interval_s_ = 0.0;
-  HostTime settled_;
   TimedPose previous_, measured_;  ///< the newest that was believed, and the newest
   HostTime remembered_;
   std::optional<HostTime> read_;  ///< of the newest reading, whatever was in it
   double reading_interval_s_ = 0.0;
   bool is_inertial_ = false, gravity_was_wrong_ = false;
-  int backwards_ = 0, refused_ = 0, doubted_ = 0;  ///< in a row
+  int backwards_ = 0;  ///< readings in a row
 };
 
 }  // namespace holdfast

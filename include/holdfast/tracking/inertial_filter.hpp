@@ -24,22 +24,15 @@
 
 #include <holdfast/tracking/advance.hpp>
 #include <holdfast/tracking/fading_polynomial.hpp>
+#include <holdfast/tracking/inertial_process.hpp>
 #include <holdfast/tracking/inertial_spread.hpp>
 #include <holdfast/tracking/inertial_state.hpp>
+#include <holdfast/tracking/noise_estimate.hpp>
 
 namespace holdfast {
 
-struct InertialFilterSettings {
-  PoseNoise noise{2e-4, 5e-4};       ///< of the measured poses, to begin with
-  double rate_noise = 5e-4;          ///< of the gyro, rad/s / sqrt(Hz)
-  double rate_scale_error = 0.01;    ///< and this part of what it says
-  double force_noise = 0.02;         ///< of the accelerometer, m/s^2 / sqrt(Hz)
-  double swing_m = 0.03;             ///< the sensors sit so far from where they are believed to, when turning fast
-  double no_force_noise = 1.0;       ///< of the body's acceleration, where there is no accelerometer
-  double rate_bias_walk = 2e-5;      ///< rad/s / sqrt(s)
-  double force_bias_walk = 1e-3;     ///< m/s^2 / sqrt(s)
-  double gravity_walk = 1e-3;        ///< m/s^2 / sqrt(s)
-  double time_offset_walk_s = 1e-5;  ///< s / sqrt(s)
+struct InertialFilterSettings : InertialProcessSettings {
+  PoseNoise noise{2e-4, 5e-4};  ///< of the measured poses, to begin with
   // Standard deviations at the start.
   double speed_m_s = 2.0, rate_bias = 0.05, force_bias = 0.2, gravity = 1.5, time_offset_s = 0.01, lever_m = 0.03;
   Duration longest_gap = std::chrono::milliseconds(500);  ///< between poses; then it starts anew
@@ -55,8 +48,8 @@ class InertialFilter {
   explicit InertialFilter(const InertialFilterSettings& settings = {}, int capacity = 1024)
       : settings_(settings), history_(capacity) {
     HOLDFAST_ASSERT(settings.noise.position_m > 0.0 && settings.noise.orientation_rad > 0.0, "a pose without noise");
-    position_variance_ = settings.noise.position_m * settings.noise.position_m;
-    turn_variance_ = settings.noise.orientation_rad * settings.noise.orientation_rad;
+    place_noise_ = NoiseEstimate(settings.noise.position_m, 5e-5);
+    turn_noise_ = NoiseEstimate(settings.noise.orientation_rad, 1e-5);
   }
 
   bool update(InertialReading reading) {
@@ -107,8 +100,8 @@ class InertialFilter {
     const InertialState::Covariance known = P_;
     P_.setZero();
     if (knows_sensors) P_.bottomRightCorner<13, 13>() = known.bottomRightCorner<13, 13>();
-    set_deviation(InertialState::place, std::sqrt(position_variance_) + 1e-5);
-    set_deviation(InertialState::turn, std::sqrt(turn_variance_) + 1e-5);
+    set_deviation(InertialState::place, place_noise_.assumed() + 1e-5);
+    set_deviation(InertialState::turn, turn_noise_.assumed() + 1e-5);
     set_deviation(InertialState::velocity, settings_.speed_m_s);
     if (!knows_sensors) {
       set_deviation(InertialState::rate_bias, settings_.rate_bias);
@@ -152,16 +145,14 @@ class InertialFilter {
   [[nodiscard]] const InertialState& state() const { return state_; }
   [[nodiscard]] const InertialState::Covariance& covariance() const { return P_; }
   /// How uncertain its pose becomes, the longer no other comes.
-  [[nodiscard]] PoseSpread spread() const {
-    return pose_spread(state_, P_, uses_force_ && knows_gravity_, turn_noise_, force_noise_);
-  }
+  [[nodiscard]] PoseSpread spread() const { return pose_spread(state_, P_, uses_force_ && knows_gravity_, process_); }
   /// With all readings: at the newest reading or the newest pose, whichever is later.
   [[nodiscard]] const InertialState& now() const { return now_; }
   [[nodiscard]] Vector3 acceleration_now_W() const { return now_.X_WS.q() * force_now_B_ + now_.gravity_W; }
   [[nodiscard]] const InertialHistory& history() const { return history_; }
   [[nodiscard]] Duration time_offset() const { return from_seconds(state_.time_offset_s); }
   /// What the poses' noise was found to be.
-  [[nodiscard]] PoseNoise pose_noise() const { return {std::sqrt(position_variance_), std::sqrt(turn_variance_)}; }
+  [[nodiscard]] PoseNoise pose_noise() const { return {place_noise_.found(), turn_noise_.found()}; }
 
  private:
   static constexpr double longest_step_s = 0.05, largest_offset_s = 0.1;
@@ -216,34 +207,10 @@ class InertialFilter {
     S::Covariance FP;
     FP.noalias() = F.lazyProduct(P_);
     P_.noalias() = FP.lazyProduct(F.transpose());
-    add_process_noise(step);
+    process_ = process_noise(step, settings_);
+    add_process_noise(P_, process_, step.seconds, settings_);
     state_.move(step);
     state_.t = t;
-  }
-
-  /// A scale that is off acts for as long as a head turns one way: some 0.05 s.
-  void add_process_noise(const StrapdownIncrement& step) {
-    using S = InertialState;
-    const double dt = step.seconds;
-    const double rate_squared = std::max(step.rate_begin_B.squaredNorm(), step.rate_end_B.squaredNorm());
-    const auto square = [](double x) { return x * x; };
-    const double turn = square(settings_.rate_noise) + 0.05 * square(settings_.rate_scale_error) * rate_squared;
-    const double swing = settings_.swing_m * rate_squared;
-    const double force =
-        square(step.has_force ? settings_.force_noise : settings_.no_force_noise) + 1.25e-4 * swing * swing;
-    turn_noise_ = turn;
-    force_noise_ = force;
-    for (int i = 0; i < 3; ++i) {
-      P_(S::turn + i, S::turn + i) += turn * dt;
-      P_(S::place + i, S::place + i) += force * dt * dt * dt / 3.0;
-      P_(S::place + i, S::velocity + i) += force * dt * dt / 2.0;
-      P_(S::velocity + i, S::place + i) += force * dt * dt / 2.0;
-      P_(S::velocity + i, S::velocity + i) += force * dt;
-      P_(S::rate_bias + i, S::rate_bias + i) += square(settings_.rate_bias_walk) * dt;
-      P_(S::force_bias + i, S::force_bias + i) += square(settings_.force_bias_walk) * dt;
-      P_(S::gravity + i, S::gravity + i) += square(settings_.gravity_walk) * dt;
-    }
-    P_(S::offset, S::offset) += square(settings_.time_offset_walk_s) * dt;
   }
 
   /// False when the pose contradicts the state, which then stays.
@@ -260,14 +227,17 @@ class InertialFilter {
     innovation.topRows<3>() += R * so3::hat<double>(state_.lever_B) * PH.middleRows<3>(S::turn);
     innovation.topRows<3>() -= R * PH.middleRows<3>(S::lever);
     const Vector6 explained = innovation.diagonal();
-    innovation.diagonal().head<3>().array() += position_variance_;
-    innovation.diagonal().tail<3>().array() += turn_variance_;
+    innovation.diagonal().head<3>().array() += place_noise_.assumed_variance();
+    innovation.diagonal().tail<3>().array() += turn_noise_.assumed_variance();
     const Eigen::LLT<Matrix6> cholesky(innovation);
     if (cholesky.info() != Eigen::Success) return false;
     const Vector6 weighted = cholesky.solve(residual);
     const bool accepted = residual.dot(weighted) < settings_.gate;
     // One that is off alone is wrong; several in a row may be noisier than thought.
-    if (accepted || rejected_ > 0) adapt_noise(residual, explained);
+    if ((accepted || rejected_ > 0) && residual.allFinite() && explained.allFinite()) {
+      place_noise_.add(residual.head<3>(), explained.head<3>().mean());
+      turn_noise_.add(residual.tail<3>(), explained.tail<3>().mean());
+    }
     if (!accepted) return false;
     const MatrixOf<double, 6, S::size> gain = cholesky.solve(PH.transpose());  // transposed
     S::Error d = PH * weighted;
@@ -281,26 +251,14 @@ class InertialFilter {
     return true;
   }
 
-  /// What the state's covariance does not explain of the residual is the pose's noise; the last hundred poses count.
-  void adapt_noise(const Vector6& residual, const Vector6& explained) {
-    if (!residual.allFinite() || !explained.allFinite()) return;
-    constexpr double gain = 0.01, smallest_m2 = 2.5e-9, smallest_rad2 = 1e-10;
-    const auto adapt = [](double& variance, double square, double known, double smallest) {
-      const double excess = std::min(square, 25.0 * (known + variance)) - known;
-      variance += gain * (std::max(excess, smallest) - variance);
-    };
-    adapt(position_variance_, residual.head<3>().squaredNorm() / 3.0, explained.head<3>().mean(), smallest_m2);
-    adapt(turn_variance_, residual.tail<3>().squaredNorm() / 3.0, explained.tail<3>().mean(), smallest_rad2);
-  }
-
   InertialFilterSettings settings_;
   InertialHistory history_;
   FadingPolynomial rate_trend_{0.012};
   InertialState state_, now_;
   InertialState::Covariance P_ = InertialState::Covariance::Zero();
   Vector3 force_now_B_ = Vector3::Zero();
-  double position_variance_ = 0.0, turn_variance_ = 0.0;
-  double turn_noise_ = 0.0, force_noise_ = 0.0;  ///< intensities that were added last
+  NoiseEstimate place_noise_, turn_noise_;  ///< of the poses
+  ProcessNoise process_;                    ///< that was added last
   bool started_ = false, uses_force_ = true, knows_gravity_ = false;
   int rejected_ = 0;
 };

@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-#include <holdfast/tracking/inertial_state.hpp>
+#include <holdfast/tracking/inertial_process.hpp>
 
 namespace holdfast {
 
@@ -22,10 +22,10 @@ struct PoseSpread {
   [[nodiscard]] double turn_rad2(double s) const { return turn[0] + s * (turn[1] + s * turn[2]); }
 };
 
-/// `turn_noise` (rad^2/s) and `force_noise` (m^2/s^3): intensities of the white noise that comes to it. `has_force` false: the
+/// `noise`: what comes to it. `has_force` false: the
 /// velocity is carried on as it is.
 [[nodiscard]] inline PoseSpread pose_spread(const InertialState& state, const InertialState::Covariance& P,
-                                            bool has_force, double turn_noise, double force_noise) {
+                                            bool has_force, const ProcessNoise& noise) {
   using S = InertialState;
   using Rows = MatrixOf<double, 3, S::size>;
   const Matrix3 R = state.X_WS.R();
@@ -46,10 +46,10 @@ struct PoseSpread {
   const auto mean = [](const Rows& a_P, const Rows& b) { return a_P.cwiseProduct(b).sum() / 3.0; };
   PoseSpread spread;
   spread.place << mean(place_P, place), 2.0 * mean(velocity_P, place),
-      mean(velocity_P, velocity) + mean(force_P, place), mean(force_P, velocity) + force_noise / 3.0,
+      mean(velocity_P, velocity) + mean(force_P, place), mean(force_P, velocity) + noise.force / 3.0,
       0.25 * mean(force_P, force);
   spread.turn << P.diagonal().segment<3>(S::turn).mean(),
-      turn_noise - 2.0 * P.block<3, 3>(S::turn, S::rate_bias).trace() / 3.0,
+      noise.turn - 2.0 * P.block<3, 3>(S::turn, S::rate_bias).trace() / 3.0,
       P.diagonal().segment<3>(S::rate_bias).mean();
   return spread;
 }

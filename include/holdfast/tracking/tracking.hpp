@@ -26,9 +26,11 @@
 #include <holdfast/tracking/inertial_health.hpp>
 #include <holdfast/tracking/inertial_history.hpp>
 #include <holdfast/tracking/inertial_measurement.hpp>
+#include <holdfast/tracking/inertial_process.hpp>
 #include <holdfast/tracking/inertial_reading.hpp>
 #include <holdfast/tracking/inertial_spread.hpp>
 #include <holdfast/tracking/inertial_state.hpp>
+#include <holdfast/tracking/inertial_watch.hpp>
 #include <holdfast/tracking/innovation.hpp>
 #include <holdfast/tracking/innovation_gate.hpp>
 #include <holdfast/tracking/joint_angles.hpp>
@@ -39,6 +41,7 @@
 #include <holdfast/tracking/measurement.hpp>
 #include <holdfast/tracking/measurement_ordering.hpp>
 #include <holdfast/tracking/multiple_models.hpp>
+#include <holdfast/tracking/noise_estimate.hpp>
 #include <holdfast/tracking/observability.hpp>
 #include <holdfast/tracking/observation_window.hpp>
 #include <holdfast/tracking/phase_range.hpp>

@@ -20,7 +20,7 @@ PredictorEvaluation evaluated(const std::vector<TimedPose>& poses, const std::ve
   settings.inertial = readings;
   const PredictorEvaluation e = evaluate_predictors(poses, truth, settings);
   for (const PredictorRow& row : e.rows) {
-    MESSAGE(what << std::string(row.predictor) << ": " << row.angle_deg.mean << " deg, " << row.position_mm.mean
+    MESSAGE(std::string(what) << std::string(row.predictor) << ": " << row.angle_deg.mean << " deg, " << row.position_mm.mean
                  << " mm, " << row.inside_95_pct.value_or(0.0) << " % inside");
   }
   return e;

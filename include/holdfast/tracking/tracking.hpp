@@ -54,5 +54,6 @@
 #include <holdfast/tracking/space_resection.hpp>
 #include <holdfast/tracking/target_state.hpp>
 #include <holdfast/tracking/three_point_resection.hpp>
+#include <holdfast/tracking/time_of_flight.hpp>
 #include <holdfast/tracking/trilateration.hpp>
 #include <holdfast/tracking/unscented_innovation.hpp>

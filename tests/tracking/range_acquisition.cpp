@@ -250,7 +250,7 @@ TEST_CASE("range resection: its gradient agrees with where the cost is least") {
   std::mt19937 random(7);
   const Room room(4, 16, random);
   const Rigid X_WB = head_at(Vector3(0.8, 0.9, 1.5), random);
-  std::vector<BeaconRange> ranges;
+  std::vector<ReceiverRange> ranges;
   std::normal_distribution<double> normal(0.0, 0.003);
   for (const RangeReceiver& receiver : room.receivers) {
     for (const CodedBeacon& b : room.beacons) {
@@ -265,7 +265,7 @@ TEST_CASE("range resection: its gradient agrees with where the cost is least") {
     state.X_WB = found.X_WB;
     state.add(d);
     double sum = (up[0].seen_B - state.X_WB.q().conjugate() * up[0].direction_W).squaredNorm() / 1e-4;
-    for (const BeaconRange& r : ranges) {
+    for (const ReceiverRange& r : ranges) {
       const double residual = (r.range_m - (state.X_WB * r.receiver_B - r.beacon_W).norm()) / r.sigma_m;
       sum += residual * residual;
     }

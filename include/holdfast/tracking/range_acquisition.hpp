@@ -294,7 +294,7 @@ class RangePoseSearch {
     const std::optional<Matrix3> R_WB = orientation(placed, p_W, known);
     if (!R_WB) return;
     Vector3 origin_W = Vector3::Zero();
-    std::vector<BeaconRange> ranges;
+    std::vector<ReceiverRange> ranges;
     for (std::size_t i = 0; i < placed.size(); ++i) {
       const Vector3& p_B = receiver(placed[i]).p_B;
       origin_W += (p_W[i] - *R_WB * p_B) / static_cast<double>(placed.size());
@@ -323,7 +323,7 @@ class RangePoseSearch {
   /// Asks every range, takes all that agree into the pose, and asks again.
   void consider(const Resection& by_tuple) {
     Candidate candidate = agreement(by_tuple.X_WB, by_tuple.covariance);
-    std::vector<BeaconRange> ranges;
+    std::vector<ReceiverRange> ranges;
     for (std::size_t n = 0; n < ranges_.size(); ++n) {
       if (candidate.beacon[n] < 0) continue;
       ranges.push_back(

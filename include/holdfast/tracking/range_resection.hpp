@@ -15,7 +15,7 @@
 
 namespace holdfast {
 
-struct BeaconRange {
+struct ReceiverRange {
   Vector3 beacon_W = Vector3::Zero();
   Vector3 receiver_B = Vector3::Zero();
   double range_m = 0.0;
@@ -29,7 +29,7 @@ struct SeenDirection {
   double sigma_rad = 0.01;
 };
 
-[[nodiscard]] inline Resection resect_ranges(std::span<const BeaconRange> ranges,
+[[nodiscard]] inline Resection resect_ranges(std::span<const ReceiverRange> ranges,
                                              std::span<const SeenDirection> directions, const Rigid& start,
                                              const ResectionSettings& settings = {}) {
   if (ranges.size() + 2 * directions.size() < 6) {
@@ -41,7 +41,7 @@ struct SeenDirection {
   return detail::least_squares_pose(start, settings, [&](const Rigid& X_WB, detail::NormalEquations& equations) {
     TargetState<1> state;
     state.X_WB = X_WB;
-    for (const BeaconRange& r : ranges) {
+    for (const ReceiverRange& r : ranges) {
       Linearization<Range> linear;
       const Range range{r.range_m, r.receiver_B, r.sigma_m * r.sigma_m};
       if (!range.linearize(state, r.beacon_W, {}, linear)) return false;

@@ -18,6 +18,7 @@
 #include <holdfast/registration/prediction_experiment.hpp>
 #include <holdfast/registration/projected_ellipse.hpp>
 #include <holdfast/registration/range_recording.hpp>
+#include <holdfast/registration/range_sensitivity.hpp>
 #include <holdfast/registration/scan_skew.hpp>
 #include <holdfast/registration/scene_depth.hpp>
 #include <holdfast/registration/scene_fiducials.hpp>

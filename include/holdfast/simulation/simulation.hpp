@@ -3,6 +3,7 @@
 
 #include <holdfast/simulation/ceiling_footprint.hpp>
 #include <holdfast/simulation/ceiling_motion.hpp>
+#include <holdfast/simulation/constellation_rig.hpp>
 #include <holdfast/simulation/faults.hpp>
 #include <holdfast/simulation/hiball_ceiling.hpp>
 #include <holdfast/simulation/hiball_rig.hpp>
@@ -13,3 +14,4 @@
 #include <holdfast/simulation/nearest_beacon.hpp>
 #include <holdfast/simulation/sighting_stream.hpp>
 #include <holdfast/simulation/time_span.hpp>
+#include <holdfast/simulation/ultrasonic_range.hpp>

@@ -78,46 +78,22 @@ template <int Size>
   return G.lazyProduct(G.transpose());
 }
 
-/// J^T W J, J^T W r and r^T W r of all sightings at a pose; false when a beacon lies behind its camera.
+/// J^T W J, J^T W r and r^T W r of all measurements at a pose.
 struct NormalEquations {
   Matrix6 A = Matrix6::Zero();
   Vector6 g = Vector6::Zero();
   double cost = 0.0;
-
-  [[nodiscard]] bool gather(std::span<const SightedBeacon> sightings, const Rigid& X_WB, bool weighted) {
-    TargetState<1> state;
-    state.X_WB = X_WB;
-    *this = {};
-    for (const SightedBeacon& seen : sightings) {
-      Linearization<CameraSighting> linear;
-      if (!seen.sighting.linearize(state, seen.beacon_W, {}, linear)) return false;
-      Matrix2 W = Matrix2::Identity();
-      if (weighted) {
-        W = linear.R + seen.beacon_variance * linear.H_source * linear.H_source.transpose();
-        W = W.inverse().eval();
-      }
-      const MatrixOf<double, 6, 2> HtW = linear.H.transpose() * W;
-      A.noalias() += HtW * linear.H;
-      g.noalias() += HtW * linear.residual;
-      cost += linear.residual.dot(W * linear.residual);
-    }
-    return std::isfinite(cost);
-  }
 };
 
-}  // namespace detail
-
-/// The pose nearest to `start` that explains the sightings best.
-[[nodiscard]] inline Resection resect(std::span<const SightedBeacon> sightings, const Rigid& start,
-                                      const ResectionSettings& settings = {}) {
+/// The pose next to `start` that makes the cost least. `gather(X_WB, equations)` sums up zeroed equations at a pose; false
+/// when there are none there.
+template <typename Gather>
+[[nodiscard]] Resection least_squares_pose(const Rigid& start, const ResectionSettings& settings,
+                                           const Gather& gather) {
   Resection result;
   result.X_WB = start;
-  if (sightings.size() < 3) {
-    result.status = ResectionStatus::too_few;
-    return result;
-  }
-  detail::NormalEquations equations;
-  if (!equations.gather(sightings, start, settings.weighted)) {
+  NormalEquations equations;
+  if (!gather(start, equations) || !std::isfinite(equations.cost)) {
     result.status = ResectionStatus::behind_camera;
     return result;
   }
@@ -126,15 +102,15 @@ struct NormalEquations {
     Matrix6 damped = equations.A;
     damped.diagonal() *= 1.0 + damping;
     Matrix6 L;
-    if (!detail::cholesky<6>(damped, L) || L.diagonal().minCoeff() < 1e-7 * L.diagonal().maxCoeff()) {
+    if (!cholesky<6>(damped, L) || L.diagonal().minCoeff() < 1e-7 * L.diagonal().maxCoeff()) {
       result.status = ResectionStatus::singular;
       return result;
     }
-    const Vector6 d = detail::inverse_of<6>(L) * equations.g;
+    const Vector6 d = inverse_of<6>(L) * equations.g;
     const Rigid moved(result.X_WB.q() * so3::exp<double>(d.tail<3>()), result.X_WB.p() + d.head<3>());
     const bool small = d.cwiseAbs().maxCoeff() < settings.small_step;
-    detail::NormalEquations there;
-    if (there.gather(sightings, moved, settings.weighted) && there.cost <= equations.cost * (1.0 + 1e-12)) {
+    NormalEquations there;
+    if (gather(moved, there) && there.cost <= equations.cost * (1.0 + 1e-12)) {
       result.X_WB = moved;
       equations = there;
       damping = damping < 1e-6 ? 0.0 : damping * 0.1;
@@ -144,12 +120,43 @@ struct NormalEquations {
     }
     if (small) {
       result.status = ResectionStatus::converged;
-      if (detail::cholesky<6>(equations.A, L)) result.covariance = detail::inverse_of<6>(L);
+      if (cholesky<6>(equations.A, L)) result.covariance = inverse_of<6>(L);
       break;
     }
   }
   result.cost = equations.cost;
   return result;
+}
+
+}  // namespace detail
+
+/// The pose nearest to `start` that explains the sightings best.
+[[nodiscard]] inline Resection resect(std::span<const SightedBeacon> sightings, const Rigid& start,
+                                      const ResectionSettings& settings = {}) {
+  if (sightings.size() < 3) {
+    Resection result;
+    result.X_WB = start;
+    result.status = ResectionStatus::too_few;
+    return result;
+  }
+  return detail::least_squares_pose(start, settings, [&](const Rigid& X_WB, detail::NormalEquations& equations) {
+    TargetState<1> state;
+    state.X_WB = X_WB;
+    for (const SightedBeacon& seen : sightings) {
+      Linearization<CameraSighting> linear;
+      if (!seen.sighting.linearize(state, seen.beacon_W, {}, linear)) return false;
+      Matrix2 W = Matrix2::Identity();
+      if (settings.weighted) {
+        W = linear.R + seen.beacon_variance * linear.H_source * linear.H_source.transpose();
+        W = W.inverse().eval();
+      }
+      const MatrixOf<double, 6, 2> HtW = linear.H.transpose() * W;
+      equations.A.noalias() += HtW * linear.H;
+      equations.g.noalias() += HtW * linear.residual;
+      equations.cost += linear.residual.dot(W * linear.residual);
+    }
+    return true;
+  });
 }
 
 }  // namespace holdfast

@@ -13,6 +13,7 @@
 #include <holdfast/tracking/camera_view.hpp>
 #include <holdfast/tracking/chain_step.hpp>
 #include <holdfast/tracking/chi_square.hpp>
+#include <holdfast/tracking/coded_range.hpp>
 #include <holdfast/tracking/collinearity.hpp>
 #include <holdfast/tracking/consistency.hpp>
 #include <holdfast/tracking/delayed_measurements.hpp>
@@ -40,6 +41,7 @@
 #include <holdfast/tracking/mcaat_filter.hpp>
 #include <holdfast/tracking/measurement.hpp>
 #include <holdfast/tracking/measurement_ordering.hpp>
+#include <holdfast/tracking/multilateration.hpp>
 #include <holdfast/tracking/multiple_models.hpp>
 #include <holdfast/tracking/noise_estimate.hpp>
 #include <holdfast/tracking/observability.hpp>
@@ -52,11 +54,15 @@
 #include <holdfast/tracking/pose_measurement.hpp>
 #include <holdfast/tracking/process_model.hpp>
 #include <holdfast/tracking/range.hpp>
+#include <holdfast/tracking/range_acquisition.hpp>
+#include <holdfast/tracking/range_dilution.hpp>
+#include <holdfast/tracking/range_resection.hpp>
 #include <holdfast/tracking/residual_monitor.hpp>
 #include <holdfast/tracking/scaat_filter.hpp>
 #include <holdfast/tracking/sighting_noise.hpp>
 #include <holdfast/tracking/space_resection.hpp>
 #include <holdfast/tracking/target_state.hpp>
 #include <holdfast/tracking/three_point_resection.hpp>
+#include <holdfast/tracking/time_of_flight.hpp>
 #include <holdfast/tracking/trilateration.hpp>
 #include <holdfast/tracking/unscented_innovation.hpp>

@@ -15,3 +15,4 @@
 #include <holdfast/simulation/sighting_stream.hpp>
 #include <holdfast/simulation/time_span.hpp>
 #include <holdfast/simulation/ultrasonic_range.hpp>
+#include <holdfast/simulation/ultrasonic_ranging.hpp>

@@ -23,6 +23,7 @@
 #include <holdfast/tracking/dipole_field.hpp>
 #include <holdfast/tracking/fading_polynomial.hpp>
 #include <holdfast/tracking/head_dynamics.hpp>
+#include <holdfast/tracking/inertial_axes.hpp>
 #include <holdfast/tracking/inertial_filter.hpp>
 #include <holdfast/tracking/inertial_health.hpp>
 #include <holdfast/tracking/inertial_history.hpp>
@@ -54,6 +55,8 @@
 #include <holdfast/tracking/pose_measurement.hpp>
 #include <holdfast/tracking/process_model.hpp>
 #include <holdfast/tracking/range.hpp>
+#include <holdfast/tracking/range_aided_ins.hpp>
+#include <holdfast/tracking/range_aided_settings.hpp>
 #include <holdfast/tracking/range_acquisition.hpp>
 #include <holdfast/tracking/range_dilution.hpp>
 #include <holdfast/tracking/range_resection.hpp>
@@ -61,6 +64,7 @@
 #include <holdfast/tracking/scaat_filter.hpp>
 #include <holdfast/tracking/sighting_noise.hpp>
 #include <holdfast/tracking/space_resection.hpp>
+#include <holdfast/tracking/strapdown_covariance.hpp>
 #include <holdfast/tracking/target_state.hpp>
 #include <holdfast/tracking/three_point_resection.hpp>
 #include <holdfast/tracking/time_of_flight.hpp>

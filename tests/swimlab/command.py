@@ -277,6 +277,12 @@ class Run(Case):
 
 
 class Predict(Case):
+    def test_readings_of_another_clock(self):
+        write_motion(self.dir / "m.tum")
+        rows = ["t,gx,gy,gz,ax,ay,az"] + [f"{5000 + 0.01 * i},0,0,0,0,9.8,0" for i in range(100)]
+        (self.dir / "imu.csv").write_text("\n".join(rows) + "\n")
+        self.refused(["predict", "m.tum", "--imu", "imu.csv"], "imu.csv", "do not overlap", "5000.000 to 5000.990 s")
+
     def test_contract(self):
         write_motion(self.dir / "m.tum")
         answer = swimlab("predict", "m.tum", "--interval-ms", "60", "--json", "p.json", cwd=self.dir)

@@ -41,7 +41,6 @@
 #include <holdfast/tracking/joint_filter.hpp>
 #include <holdfast/tracking/joint_state.hpp>
 #include <holdfast/tracking/linear_acceleration.hpp>
-#include <holdfast/tracking/manoeuvre.hpp>
 #include <holdfast/tracking/mcaat_filter.hpp>
 #include <holdfast/tracking/measurement.hpp>
 #include <holdfast/tracking/measurement_ordering.hpp>

@@ -2,4 +2,5 @@
 /// holdfast::calibration, and is included by itself.
 #pragma once
 
+#include <holdfast/calibration/inertial_calibration.hpp>
 #include <holdfast/calibration/tuned_parameter.hpp>

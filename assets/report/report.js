@@ -48,8 +48,13 @@ const unitSign = (unit) => ({ "deg/s": "\u00b0/s", deg: "\u00b0" }[unit] || unit
 
 const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const seriesColor = (style) => color(seriesColors[style] || "--ink");
-/** "P4", or "P4 shift" when it deflects in another way than its own. */
-const variant = (r) => (r.ablation ? `${r.pipeline} ${r.deflection}` : r.pipeline);
+const ownDeflection = { P4: "rotation", P5: "depth", P6: "depth" };
+/** "P4", or "P4 shift" when it deflects in another way than its own, or "P3 10 ms too far" when it predicts so. */
+function variant(r) {
+  const shifted = r.deflection === (ownDeflection[r.pipeline] || "none") ? "" : ` ${r.deflection}`;
+  const wrong = r.interval_error_ms ? ` ${tick(Math.abs(r.interval_error_ms))} ms too ${r.interval_error_ms > 0 ? "far" : "short"}` : "";
+  return r.pipeline + shifted + wrong;
+}
 const variantTitle = (r) => (r.ablation ? variant(r) : `${r.pipeline}, ${pipelineNames[r.pipeline]}`);
 const sum = (list) => list.reduce((a, b) => a + b, 0);
 
@@ -326,6 +331,14 @@ function filtering(filtered, predicted) {
   return el("p", {}, "A Kalman filter of all poses measured so far (P2) also estimates how the velocity changes. It leaves at most ", el("strong", {}, angle(a)), `${beside}.`);
 }
 
+/** What inertial sensors add to that. */
+function feeling(felt, best) {
+  const a = felt && felt.registration.peak_arcmin, b = best && best.registration.peak_arcmin;
+  if (!(a > 0)) return null;
+  const beside = b > 0 ? (a < 0.95 * b ? `, ${number(b / a)} times less` : a > 1.05 * b ? ", which is more: it takes the jerk of a start or stop for the beginning of more" : ", about as much") : "";
+  return el("p", {}, "With gyros and accelerometers on the head (P3, simulated) the filter feels a turn begin before poses show it. It leaves at most ", el("strong", {}, angle(a)), `${beside}.`);
+}
+
 /** What a late correction of the finished picture leaves, and what each further step of it removes. */
 function lateCorrection(predicted) {
   const turned = row("P4"), moved = row("P5"), lines = row("P6");
@@ -342,10 +355,9 @@ function lateCorrection(predicted) {
   return text;
 }
 
-function notAvailable() {
-  const list = summary.not_available || [];
-  if (!list.length) return null;
-  return el("p.note", {}, "To come: ", list.map((p) => `${p.pipeline}, ${p.name}: ${p.reason}`).join("; "), ".");
+function inertialNote() {
+  if (!summary.inertial) return null;
+  return el("p.note", {}, `A motion is a trajectory alone. The inertial sensors of P3 to P6 are ${summary.inertial.readings.replace("m/s2", "m/s\u00b2")}; the poses that all pipelines measure have no noise.`);
 }
 
 /** On a display that lights all lines at once, line by line (P6) is P5. */
@@ -368,10 +380,12 @@ function introduction() {
   if (change) page.append(change);
   const filter = filtering(row("P2"), predicted);
   if (filter) page.append(filter);
-  const late = lateCorrection(predicted);
+  const felt = feeling(row("P3"), row("P2") || predicted);
+  if (felt) page.append(felt);
+  const late = lateCorrection(row("P3") || predicted);
   if (late) page.append(late);
   const cards = el("div.cards");
-  for (const r of ["P0", "P1", "P2", "P4", "P5", "P6"].map((id) => row(id)).filter((r) => r && !isRepeated(r))) {
+  for (const r of ["P0", "P1", "P2", "P3", "P4", "P5", "P6"].map((id) => row(id)).filter((r) => r && !isRepeated(r))) {
     const mark = el("i.dot"); mark.style.color = seriesColor(r.pipeline);
     cards.append(el("div.card", {}, el("header", {}, mark, el("strong", {}, variantTitle(r))),
       el("dl.figures", {}, ...[["largest error", angle(r.registration.peak_arcmin), number(r.registration.peak_px, "px")],
@@ -380,8 +394,8 @@ function introduction() {
         .map(([name, value, more]) => el("div", {}, el("dt", {}, name), el("dd", {}, el("b", {}, value), el("small", {}, more)))))));
   }
   page.append(cards);
-  const missing = notAvailable();
-  if (missing) page.append(missing);
+  const simulated = inertialNote();
+  if (simulated) page.append(simulated);
   if (data.heroes && data.heroes.length) {
     page.append(el("div.pictures", {}, ...data.heroes.map((hero) => el("figure", {}, pictureButton(hero, hero.title, hero.caption),
       el("figcaption", {}, el("strong", {}, hero.title + ". "), hero.caption)))));
@@ -501,10 +515,12 @@ function glossary() {
     ["P1, constant velocity", "the pose is carried on over the latency at the velocity measured last."],
     ["P2, Kalman without inertial", "a filter of all poses measured so far estimates velocity and acceleration, and carries the pose on by both. It needs no rate gyro; P1 is given the exact velocity of a generated motion."],
     ["Late pose", "what the tracker knows shortly before the display starts to show the picture, carried on to the moment of light in the same way."],
-    ["P4, late rotation", "drawn as P1, somewhat wider than the view; then the finished picture is turned to the late pose. It corrects the head's turning at any distance, not its moving."],
+    ["P3, Kalman with inertial", "the same with gyros and accelerometers, whose errors are found on the way. How much of the newest acceleration is carried on is learnt from what would have been best in the last seconds."],
+    ["P4, late rotation", "drawn as P3, somewhat wider than the view; then the finished picture is turned to the late pose. It corrects the head's turning at any distance, not its moving."],
     ["P5, late depth warp", "each point of the finished picture is moved by its own distance, so that the head's moving is corrected too."],
     ["P6, per line", "the same, with the pose of each line's own moment: for displays that light line after line."],
     ["Shift", "an ablation: the picture slides as a whole instead of being turned. Right at its centre, wrong towards its edges."],
+    ["Too far, too short", "an ablation: the predictor takes the light to come so much later, or sooner, than it does. The picture then leads or trails by that time."],
     ["View missing, revealed", "part of the view for which the picture had no pixel, as it was not drawn wide enough; and part that was hidden behind something when it was drawn."],
     ["Theory", "the closed form for that motion: for a sine of frequency f and latency T, no prediction errs by 2\u00a0sin(\u03c0\u00a0f\u00a0T) of the amplitude."],
   ].flatMap(([term, text]) => [el("dt", {}, term), el("dd", {}, text)])));

@@ -49,7 +49,7 @@ def main():
             page_file.write_text(f'<meta charset="utf-8"><style>{STYLE} main {{ grid-template-columns: repeat({columns}, 1fr); }}'
                                  f"</style><main>{figures}</main>")
         # A sheet's pictures are magnified layers, which Chromium is slow to draw beyond the window: it has room for them.
-        with webdriver.Browser(width, 1001 if script else 120) as page:
+        with webdriver.Browser(width, 1138 if script else 120) as page:
             page.open(page_file.resolve().as_uri())
             if script:
                 page.run(*script)

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <map>
 #include <numbers>
 
 #include <Eigen/Cholesky>
@@ -28,37 +29,23 @@ ResultJson axis(const char* label, const char* unit, bool log = false) {
   return json;
 }
 
-/// Amplitude and phase of a signal's component at a known frequency, by least squares: b sin + c cos.
-struct Phasor {
-  double gain = 0.0, phase_rad = 0.0;
-};
-
-/// Displayed over true yaw of a sine of frequency `hz`, as the pipeline shows it at the display's frames.
-Phasor measured_response(const ExperimentSettings& settings, double hz) {
-  constexpr double amplitude_deg = 1.0;
-  const double seconds = std::max(2.0, 3.0 / hz);
-  const auto motion = make_yaw_sine(hz, degrees(amplitude_deg), from_seconds(seconds + 0.5));
-  Matrix2 normal = Matrix2::Zero();
-  Vector2 moment = Vector2::Zero();
-  const double period_s = 1.0 / settings.hmd.timing.refresh_hz;
-  PipelinePoses poses(*motion, settings);
-  for (double t = 0.3; t < 0.3 + seconds; t += period_s) {
-    const Rigid displayed = poses.displayed(time_at(t));
-    const double yaw = so3::log<double>(displayed.q()).y();
-    const double angle = 2.0 * std::numbers::pi * hz * t;
-    const Vector2 basis(std::sin(angle), std::cos(angle));
-    normal += basis * basis.transpose();
-    moment += basis * yaw;
-  }
-  const Vector2 fit = normal.ldlt().solve(moment);
-  return {fit.norm() / degrees(amplitude_deg).radians(), std::atan2(fit.y(), fit.x())};
+/// Name and style of a variant's line. P6 is dashed: it may lie on P5's; so is one of two wrong intervals.
+ResultJson variant_series(Pipeline pipeline, const std::string& name, double interval_error_ms) {
+  const std::string id(holdfast::name_of(pipeline));
+  const bool own = name == id;
+  ResultJson series = {{"name", own ? id + ' ' + std::string(describe(pipeline)) : name},
+                       {"style", own ? id : "ablation"}};
+  if (pipeline == Pipeline::p6 || interval_error_ms < 0.0) series["dashed"] = true;
+  return series;
 }
 
 ResultJson time_chart(const std::vector<TimeSeries>& series, std::optional<double> FrameSample::*member) {
   ResultJson json;
   json["x"] = axis("time", "s");
   json["series"] = ResultJson::array();
-  for (const TimeSeries& s : series) json["series"].push_back(variant_series(s.pipeline, s.name));
+  for (const TimeSeries& s : series) {
+    json["series"].push_back(variant_series(s.row.pipeline, variant_name(s.row), s.row.interval_error_ms));
+  }
   ResultJson rows = ResultJson::array();
   for (std::size_t i = 0; !series.empty() && i < series.front().samples.size(); ++i) {
     ResultJson row = {rounded(series.front().samples[i].t_s)};
@@ -80,25 +67,24 @@ ResultJson rounded(std::optional<double> value) {
   return std::strtod(digits, nullptr);
 }
 
-std::string variant_name(Pipeline pipeline, DeflectionKind deflection) {
-  const std::string name(holdfast::name_of(pipeline));
-  return deflection == deflection_of(pipeline) ? name : name + ' ' + std::string(holdfast::name_of(deflection));
-}
 std::string variant_name(const ExperimentRow& row) {
-  return variant_name(row.pipeline, row.deflection);
+  std::string name(holdfast::name_of(row.pipeline));
+  if (row.deflection != deflection_of(row.pipeline)) name += ' ' + std::string(holdfast::name_of(row.deflection));
+  if (row.interval_error_ms == 0.0) return name;
+  char words[48];
+  std::snprintf(words, sizeof words, " %g ms too %s", std::abs(row.interval_error_ms),
+                row.interval_error_ms > 0.0 ? "far" : "short");
+  return name + words;
+}
+std::string variant_name(const ExperimentSettings& settings) {
+  ExperimentRow row;
+  row.pipeline = settings.pipeline;
+  row.deflection = deflection_of(settings).kind;
+  row.interval_error_ms = to_milliseconds(settings.interval_error);
+  return variant_name(row);
 }
 std::string variant_title(const ExperimentRow& row) {
-  const bool own = row.deflection == deflection_of(row.pipeline);
-  return own ? variant_name(row) + ", " + std::string(describe(row.pipeline)) : variant_name(row);
-}
-
-ResultJson variant_series(Pipeline pipeline, const std::string& name) {
-  const std::string id(holdfast::name_of(pipeline));
-  const bool own = name == id;
-  ResultJson series = {{"name", own ? id + ' ' + std::string(describe(pipeline)) : name},
-                       {"style", own ? id : "ablation"}};
-  if (pipeline == Pipeline::p6) series["dashed"] = true;
-  return series;
+  return is_ablation(row) ? variant_name(row) : variant_name(row) + ", " + std::string(describe(row.pipeline));
 }
 
 ResultJson error_chart(const std::vector<TimeSeries>& series) {
@@ -163,8 +149,8 @@ ResultJson latency_chart(const Motion& motion, std::span<const ExperimentSetting
   json["logToggle"] = true;
   json["series"] = ResultJson::array();
   for (const ExperimentSettings& variant : variants) {
-    const std::string name = variant_name(variant.pipeline, deflection_of(variant).kind);
-    json["series"].push_back(variant_series(variant.pipeline, name));
+    json["series"].push_back(
+        variant_series(variant.pipeline, variant_name(variant), to_milliseconds(variant.interval_error)));
   }
   json["rows"] = ResultJson::array();
   for (int latency_ms = 0; latency_ms <= 120; latency_ms += 10) {
@@ -178,27 +164,34 @@ ResultJson latency_chart(const Motion& motion, std::span<const ExperimentSetting
   return json;
 }
 
-ResultJson budget_chart(const Motion& motion, const ExperimentSettings& settings, const RegistrationScene& scene) {
+ResultJson budget_chart(const Motion& motion, const ExperimentSettings& settings, Pipeline pipeline,
+                        const RegistrationScene& scene) {
+  const bool predicts = prediction_of(pipeline) != PosePrediction::none;
+  const std::string id(holdfast::name_of(pipeline));
   ResultJson json;
-  json["id"] = "budget";
-  json["title"] = "Error budget";
+  json["id"] = predicts ? "budget-" + id : "budget";
+  json["title"] = "Error budget, " + std::string(describe(pipeline));
   json["caption"] =
-      "What each source of error does when it acts alone, without prediction, stacked (root mean squares). A third of "
-      "the "
-      "latency is the tracker's, the rest graphics and display; static is a tracker 2 mm off; lines scan out over 11.1 "
-      "ms; the "
-      "lens is corrected by the cubic of the course; viewing is an eye distance believed 2 mm too large.";
+      "What each source of error does when it acts alone, stacked (root mean squares), " +
+      std::string(predicts ? "with " : "without prediction (") + id + (predicts ? "" : ")") +
+      ". A third of the latency is the tracker's, the rest graphics and display; static is a tracker 2 mm off; " +
+      (predicts ? "interval is a prediction 10 ms too far, and all have the sensors' noise; " : "") +
+      "lines scan out over 11.1 ms; the lens is corrected by the cubic of the course; viewing is an eye distance "
+      "believed 2 mm too large.";
   json["x"] = axis("latency", "ms");
   json["y"] = axis("error", "arcmin");
   json["stacked"] = true;
   json["series"] = ResultJson::array();
   json["rows"] = ResultJson::array();
-  constexpr const char* styles[] = {"c", "a", "b", "d", "e", "f"};
+  const std::map<std::string_view, const char*> styles = {
+      {"static", "c"},   {"tracker delay", "a"}, {"graphics delay", "b"}, {"interval", "P3"},
+      {"scan-out", "d"}, {"lens", "e"},          {"viewing", "f"}};
   for (int latency_ms = 0; latency_ms <= 100; latency_ms += 20) {
     BudgetSettings budget_settings;
     budget_settings.experiment = settings;
-    budget_settings.experiment.pipeline = Pipeline::p0;
+    budget_settings.experiment.pipeline = pipeline;
     budget_settings.experiment.deflection.reset();
+    if (predicts) budget_settings.interval_error = std::chrono::milliseconds(10);
     budget_settings.experiment.lens = LensMode::cubic;
     DisplayTiming& timing = budget_settings.experiment.hmd.timing;
     timing.scan_out = ScanOut::rolling;
@@ -212,62 +205,95 @@ ResultJson budget_chart(const Motion& motion, const ExperimentSettings& settings
       row.push_back(rounded(budget.parts[i].rms_arcmin));
       if (latency_ms > 0) continue;
       json["series"].push_back(
-          {{"name", budget.parts[i].source}, {"style", styles[i % std::size(styles)]}, {"area", true}});
+          {{"name", budget.parts[i].source}, {"style", styles.at(budget.parts[i].source)}, {"area", true}});
     }
     json["rows"].push_back(std::move(row));
   }
   return json;
 }
 
+Response response_at(double hz, double refresh_hz, const std::function<Rigid(const Motion&, HostTime)>& displayed) {
+  constexpr double amplitude_deg = 1.0;
+  const double seconds = std::max(2.0, 3.0 / hz);
+  const auto motion = make_yaw_sine(hz, degrees(amplitude_deg), from_seconds(seconds + 0.5));
+  Matrix2 normal = Matrix2::Zero();
+  Vector2 moment = Vector2::Zero();
+  for (double t = 0.3; t < 0.3 + seconds; t += 1.0 / refresh_hz) {
+    const double yaw = so3::log<double>(displayed(*motion, time_at(t)).q()).y();
+    const double angle = 2.0 * std::numbers::pi * hz * t;
+    const Vector2 basis(std::sin(angle), std::cos(angle));
+    normal += basis * basis.transpose();
+    moment += basis * yaw;
+  }
+  const Vector2 fit = normal.ldlt().solve(moment);  // b sin + c cos
+  return {fit.norm() / degrees(amplitude_deg).radians(), std::atan2(fit.y(), fit.x())};
+}
+
 namespace {
 
+Response response_of(ExperimentSettings settings, double hz) {
+  settings.known_poses.reset();  // of another motion
+  std::optional<PipelinePoses> poses;
+  return response_at(hz, settings.hmd.timing.refresh_hz, [&](const Motion& motion, HostTime t) {
+    if (!poses) poses.emplace(motion, settings);
+    return poses->displayed(t);
+  });
+}
+
 /// Variants that show the same orientation: one predictor, one interval.
-struct Response {
+struct Alike {
   ExperimentSettings settings;
   std::string name;
   bool late = false;
   Pipeline first, last;
 
+  /// With a closed form, if any.
+  [[nodiscard]] std::optional<theory::Order> order() const {
+    if (settings.interval_error != Duration{0}) return std::nullopt;
+    return holdfast::detail::order_of(settings.pipeline);
+  }
   [[nodiscard]] bool is_like(const ExperimentSettings& other) const {
-    return predictor_of(other.pipeline) == predictor_of(settings.pipeline) &&
-           prediction_interval(other) == prediction_interval(settings);
+    return prediction_of(other.pipeline) == prediction_of(settings.pipeline) &&
+           prediction_interval(other) == prediction_interval(settings) &&
+           other.interval_error == settings.interval_error;
   }
 };
 
-std::vector<Response> responses_of(std::span<const ExperimentSettings> variants) {
-  std::vector<Response> responses;
+std::vector<Alike> alike(std::span<const ExperimentSettings> variants) {
+  std::vector<Alike> all;
   for (const ExperimentSettings& variant : variants) {
-    const auto like =
-        std::find_if(responses.begin(), responses.end(), [&](const Response& r) { return r.is_like(variant); });
+    const auto like = std::find_if(all.begin(), all.end(), [&](const Alike& a) { return a.is_like(variant); });
     const bool late = deflection_of(variant).kind != DeflectionKind::none;
-    if (like == responses.end()) {
-      responses.push_back({variant, std::string(describe(variant.pipeline)), late, variant.pipeline, variant.pipeline});
+    if (like == all.end()) {
+      all.push_back({variant, std::string(describe(variant.pipeline)), late, variant.pipeline, variant.pipeline});
     } else {
       like->last = std::max(like->last, variant.pipeline);
       like->first = std::min(like->first, variant.pipeline);
     }
   }
-  for (Response& r : responses) {
-    const std::string first(holdfast::name_of(r.first)), last(holdfast::name_of(r.last));
-    if (r.late) r.name = "late pose";
-    r.name = (r.first == r.last ? first : first + " to " + last) + ' ' + r.name;
+  for (Alike& a : all) {
+    const std::string first(holdfast::name_of(a.first)), last(holdfast::name_of(a.last));
+    if (a.late) a.name = "late pose";
+    a.name = (a.first == a.last ? first : first + " to " + last) + ' ' + a.name;
+    if (a.settings.interval_error != Duration{0}) a.name = variant_name(a.settings);
   }
-  return responses;
+  return all;
 }
 
 }  // namespace
 
 std::vector<ResultJson> frequency_charts(std::span<const ExperimentSettings> variants) {
-  const std::vector<Response> responses = responses_of(variants);
+  const std::vector<Alike> responses = alike(variants);
   ResultJson gain, lag;
   for (ResultJson* chart : {&gain, &lag}) {
     (*chart)["x"] = axis("frequency", "Hz", true);
     (*chart)["series"] = ResultJson::array();
     (*chart)["rows"] = ResultJson::array();
-    for (const Response& r : responses) {
-      const std::string_view style = holdfast::name_of(r.first);
+    for (const Alike& r : responses) {
+      const bool ablation = r.settings.interval_error != Duration{0};
+      const std::string_view style = ablation ? "ablation" : holdfast::name_of(r.first);
       (*chart)["series"].push_back({{"name", r.name}, {"style", style}, {"points", true}});
-      if (!holdfast::detail::order_of(r.settings.pipeline)) continue;
+      if (!r.order()) continue;
       (*chart)["series"].push_back({{"name", r.name + ", theory"}, {"style", style}, {"dashed", true}});
     }
   }
@@ -289,19 +315,19 @@ std::vector<ResultJson> frequency_charts(std::span<const ExperimentSettings> var
   for (int i = 0; i <= points; ++i) {
     const double hz = 0.2 * std::pow(50.0, static_cast<double>(i) / points);  // 0.2 to 10 Hz
     ResultJson gain_row = {rounded(hz)}, lag_row = {rounded(hz)};
-    for (const Response& r : responses) {
-      const std::optional<theory::Order> order = holdfast::detail::order_of(r.settings.pipeline);
+    for (const Alike& r : responses) {
+      const std::optional<theory::Order> order = r.order();
       const double interval_s = to_seconds(prediction_interval(r.settings));
       // Without a closed form the phase is taken near that of the same interval at constant velocity.
       const double phase_theory =
           std::arg(theory::response(order.value_or(theory::Order::constant_velocity), hz, interval_s)) -
           2.0 * std::numbers::pi * hz * interval_s;
       const bool shown = i % 2 == 0;
-      Phasor phasor;
-      if (shown) phasor = measured_response(r.settings, hz);
+      Response response;
+      if (shown) response = response_of(r.settings, hz);
       // The same turn as theory's: a phase is known up to whole turns.
-      const double phase = phase_theory + std::remainder(phasor.phase_rad - phase_theory, 2.0 * std::numbers::pi);
-      gain_row.push_back(shown ? rounded(phasor.gain) : ResultJson(nullptr));
+      const double phase = phase_theory + std::remainder(response.phase_rad - phase_theory, 2.0 * std::numbers::pi);
+      gain_row.push_back(shown ? rounded(response.gain) : ResultJson(nullptr));
       lag_row.push_back(shown ? rounded(radians(phase).degrees()) : ResultJson(nullptr));
       if (!order) continue;
       gain_row.push_back(rounded(theory::gain(*order, hz, interval_s)));

@@ -1,6 +1,7 @@
 /// The report's charts as JSON: what report.js draws with dygraphs.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,16 +16,15 @@ namespace swimlab {
 /// A number with four significant digits, or null: charts need no more, and a page of 10,000 frames stays small.
 [[nodiscard]] holdfast::io::ResultJson rounded(std::optional<double> value);
 
-/// "P4", or "P4 shift" when it deflects in another way than its own.
-[[nodiscard]] std::string variant_name(holdfast::Pipeline pipeline, holdfast::DeflectionKind deflection);
+/// "P4", or "P4 shift" when it deflects in another way than its own, or "P3 10 ms too far" when it predicts so.
+[[nodiscard]] std::string variant_name(const holdfast::ExperimentSettings& settings);
 [[nodiscard]] std::string variant_name(const holdfast::ExperimentRow& row);
 /// "P4, late rotation", or "P4 shift".
 [[nodiscard]] std::string variant_title(const holdfast::ExperimentRow& row);
 
 /// One series of a time chart: a row's samples.
 struct TimeSeries {
-  holdfast::Pipeline pipeline;
-  std::string name;  ///< variant_name
+  holdfast::ExperimentRow row;
   std::span<const FrameSample> samples;
 };
 
@@ -37,17 +37,25 @@ struct TimeSeries {
                                                      std::span<const holdfast::ExperimentSettings> variants,
                                                      const holdfast::RegistrationScene& scene);
 
+/// Amplitude of what is displayed over that of the true motion, and by how much it comes first, rad.
+struct Response {
+  double gain = 0.0, phase_rad = 0.0;
+};
+
+/// To a yaw of 1 deg at one frequency, seen at the display's frames. `displayed` is asked for later and later times.
+[[nodiscard]] Response response_at(
+    double hz, double refresh_hz,
+    const std::function<holdfast::Rigid(const holdfast::Motion&, holdfast::HostTime)>& displayed);
+
 /// Gain and lag of the displayed against the true motion, per frequency, beside theory's curves. Variants that predict
 /// alike, over the same time, share their curves.
 [[nodiscard]] std::vector<holdfast::io::ResultJson> frequency_charts(
     std::span<const holdfast::ExperimentSettings> variants);
 
-/// Error of each source alone, stacked, against latency.
+/// Error of each source alone, stacked, against latency: without prediction (P0), or with P3.
 [[nodiscard]] holdfast::io::ResultJson budget_chart(const holdfast::Motion& motion,
                                                     const holdfast::ExperimentSettings& settings,
+                                                    holdfast::Pipeline pipeline,
                                                     const holdfast::RegistrationScene& scene);
-
-/// Name and style of a variant's line. P6 is dashed: it may lie on P5's.
-[[nodiscard]] holdfast::io::ResultJson variant_series(holdfast::Pipeline pipeline, const std::string& name);
 
 }  // namespace swimlab

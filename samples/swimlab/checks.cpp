@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <cstdio>
 
 #include <holdfast/motion/generators.hpp>
+#include <holdfast/prediction/predictor_theory.hpp>
 #include <holdfast/registration/experiment.hpp>
 #include <holdfast/registration/picture_centroid.hpp>
 #include <holdfast/registration/view_coverage.hpp>
 #include <holdfast/rendering/coverage_mask.hpp>
 
+#include "charts.hpp"
 #include "row_runner.hpp"
 
 namespace swimlab {
@@ -57,6 +61,51 @@ void add_doubling(std::vector<Check>& checks) {
   const double at_5 = row_of(settings_of("M1", Pipeline::p1, 5)).pose.peak_yaw_arcmin;
   const double at_10 = row_of(settings_of("M1", Pipeline::p1, 10)).pose.peak_yaw_arcmin;
   checks.push_back({2, "constant velocity, 5 to 10 ms: the error grows by", "", 4.0, 0.05, at_10 / at_5});
+}
+
+/// Value 3, at frequencies of the chirp: yaw of 1 deg, predicted over 60 ms from exact derivatives.
+void add_chirp(std::vector<Check>& checks) {
+  constexpr double T = 0.06;
+  const double refresh_hz = default_hmd().timing.refresh_hz;
+  const auto extrapolated = [&](theory::Order order, double hz) {
+    return response_at(hz, refresh_hz, [&](const Motion& motion, HostTime t) {
+      const MotionState state = motion.at(t - from_seconds(T));
+      Vector3 turn = Vector3::Zero();
+      if (order != theory::Order::none) turn += T * state.w_WB_B;
+      if (order == theory::Order::constant_acceleration) turn += 0.5 * T * T * state.alpha_WB_B;
+      return Rigid(state.X_WB.q() * so3::exp<double>(turn), state.X_WB.p());
+    });
+  };
+  const auto error = [](const Response& r) { return std::abs(std::polar(r.gain, r.phase_rad) - 1.0); };
+  struct Predicted {
+    theory::Order order;
+    const char* name;
+    double expected_hz;  // x = 2 pi f T where it errs as much as no prediction
+  };
+  double worst_pct = 0.0;
+  std::vector<Check> crossings;
+  for (const Predicted& p : {Predicted{theory::Order::none, "", 0.0},
+                             Predicted{theory::Order::constant_velocity, "constant velocity", 0.302 / T},
+                             Predicted{theory::Order::constant_acceleration, "constant acceleration", 0.365 / T}}) {
+    for (const double hz : {0.2, 0.5, 1.0, 2.0, 5.0, 10.0}) {
+      const double expected = theory::gain(p.order, hz, T);
+      worst_pct = std::max(worst_pct, 100.0 * std::abs(extrapolated(p.order, hz).gain / expected - 1.0));
+    }
+    if (p.order == theory::Order::none) continue;
+    double low = 4.0, high = 8.0;
+    while (high - low > 0.005) {
+      const double middle = 0.5 * (low + high);
+      const bool worse = error(extrapolated(p.order, middle)) > error(extrapolated(theory::Order::none, middle));
+      (worse ? high : low) = middle;
+    }
+    crossings.push_back({3, std::string(p.name) + ", 60 ms: worse than no prediction above", "Hz", p.expected_hz, 0.05,
+                         0.5 * (low + high)});
+  }
+  checks.push_back({3,
+                    "yaw of 0.2 to 10 Hz, 60 ms: gains of no prediction, constant velocity, constant acceleration; "
+                    "worst deviation from the formulas",
+                    "%", 1.0, 0.0, worst_pct, true});
+  checks.insert(checks.end(), crossings.begin(), crossings.end());
 }
 
 /// Value 4.
@@ -154,10 +203,17 @@ double skew_in_picture(Studio& studio, const RegistrationScene& scene, const Exp
   return std::abs(azimuth_skew_arcmin(eye, *line_drawn) - azimuth_skew_arcmin(eye, *line_real));
 }
 
-/// Value 9, by the formulas and in a picture drawn row by row; P6 takes it away.
+/// Value 9, by the formulas and in a picture drawn row by row. P6's correction takes it away where the late pose is right;
+/// as P6 knows it, by sensors with noise, the picture may be rolled a little.
 void add_scan_skew(std::vector<Check>& checks, Studio& studio, const RegistrationScene& scene) {
-  for (const Pipeline pipeline : {Pipeline::p0, Pipeline::p6}) {
+  struct Case {
+    Pipeline pipeline;
+    bool perfect;
+  };
+  for (const auto& [pipeline, perfect] :
+       {Case{Pipeline::p0, false}, Case{Pipeline::p6, true}, Case{Pipeline::p6, false}}) {
     ExperimentSettings settings = settings_of("M3", pipeline, 60);
+    settings.perfect_late_pose = perfect;
     settings.hmd.timing.scan_out = ScanOut::rolling;
     settings.hmd.timing.scan_duration = std::chrono::microseconds(11100);
     settings.hmd.left.X_HE = Rigid();  // the figure is for a turn about the eye; half an IPD aside adds 0.2 arcmin
@@ -179,10 +235,14 @@ void add_scan_skew(std::vector<Check>& checks, Studio& studio, const Registratio
       checks.push_back({9, "rolling scan-out of 11.1 ms at 100\u00b0/s: tilt of the vertical edge, by the formulas",
                         "arcmin", 66.6, 0.05, worst});
       checks.push_back({9, "the same in the picture, drawn line by line", "arcmin", 66.6, 0.5, in_picture});
-    } else {
-      checks.push_back(
-          {9, "deflected line by line (P6): the tilt that is left, by the formulas", "arcmin", 0.01, 0.0, worst, true});
+    } else if (perfect) {
+      checks.push_back({9, "deflected line by line to a perfect late pose: the tilt that is left, by the formulas",
+                        "arcmin", 0.01, 0.0, worst, true});
       checks.push_back({9, "the same in the picture", "arcmin", 0.5, 0.0, in_picture, true});
+    } else {
+      // What sensors with noise know of a turn that has begun 0.05 s ago: a tenth of what is there without.
+      checks.push_back({9, "deflected line by line to the late pose that the tracker knows (P6): left by the formulas",
+                        "arcmin", 6.66, 0.0, worst, true});
     }
   }
 }
@@ -308,6 +368,70 @@ void add_shift(std::vector<Check>& checks, Studio& studio) {
   }
 }
 
+/// Value 10.
+void add_wrong_interval(std::vector<Check>& checks) {
+  for (const double error_ms : {-10.0, 10.0}) {
+    ExperimentSettings settings = settings_of("M4", Pipeline::p3, 60);
+    settings.interval_error = from_milliseconds(error_ms);
+    const std::string words = error_ms < 0.0 ? "short" : "far";
+    checks.push_back({10,
+                      "Kalman with inertial (P3), walk-around, predicted 10 ms too " + words + ": effective latency",
+                      "ms", -error_ms, 0.5, row_of(settings).effective_latency_ms.value_or(1e3)});
+  }
+}
+
+/// Value 11. A frame's time is 67 arcmin of the ramp.
+void add_abrupt_stop(std::vector<Check>& checks) {
+  const auto overshoot_arcmin = [](Pipeline pipeline) {
+    return row_of(settings_of("M3", pipeline, 60)).overshoot_arcmin.value_or(0.0);
+  };
+  checks.push_back({11, "a turn of 100\u00b0/s stops abruptly, 60 ms: no prediction has still to go", "arcmin", 360.0,
+                    67.0, -overshoot_arcmin(Pipeline::p0)});
+  double most_left = -1e9;
+  for (const Pipeline pipeline : {Pipeline::p1, Pipeline::p2, Pipeline::p3}) {
+    most_left = std::max(most_left, -overshoot_arcmin(pipeline));
+  }
+  checks.push_back(
+      {11, "predictors (P1, P2, P3) overshoot: still to go, the most of them", "arcmin", -67.0, 0.0, most_left, true});
+}
+
+/// Value 12.
+void add_still_jitter(std::vector<Check>& checks) {
+  const auto jitter_arcmin = [](Pipeline pipeline, double latency_ms) {
+    return row_of(settings_of("M0", pipeline, latency_ms)).jitter_arcmin.value_or(1e3);
+  };
+  const double at_20 = jitter_arcmin(Pipeline::p3, 20), at_60 = jitter_arcmin(Pipeline::p3, 60);
+  checks.push_back({12, "head still, 20 ms: jitter of no prediction, at most that of Kalman with inertial (P3)",
+                    "arcmin", at_20, 0.0, jitter_arcmin(Pipeline::p0, 20), true});
+  checks.push_back({12, "jitter of P3 at 20 ms, at most that at 60 ms", "arcmin", at_60, 0.0, at_20, true});
+  checks.push_back(
+      {12, "and at 60 ms, at most that at 100 ms", "arcmin", jitter_arcmin(Pipeline::p3, 100), 0.0, at_60, true});
+}
+
+/// Value 13: mean errors on the screen against figure 6 of 001. Motions differ, so a miss warns.
+void add_inertial_gain(std::vector<Check>& checks) {
+  struct Figure6 {
+    const char *motion, *what;
+    double none, without, with;  // px
+  };
+  for (const Figure6& f : {Figure6{"M4", "walk-around", 9.3, 4.5, 2.7}, Figure6{"M5", "rotation", 33.6, 13.6, 5.2},
+                           Figure6{"M6", "swing", 37.1, 16.2, 7.2}}) {
+    const auto mean_px = [&](Pipeline pipeline) {
+      const ExperimentRow row = row_of(settings_of(f.motion, pipeline, 60));
+      return row.registration ? row.registration->mean_px : 1e3;
+    };
+    const double none = mean_px(Pipeline::p0), without = mean_px(Pipeline::p2), with = mean_px(Pipeline::p3);
+    const auto add = [&](const char* other, double ratio, double least, double theirs) {
+      char words[160];
+      std::snprintf(words, sizeof words, "%s, 60 ms: mean error with inertial (P3) over %s; Azuma & Bishop's was %.2f",
+                    f.what, other, theirs);
+      checks.push_back({13, words, "", 1.0 / least, 0.0, ratio, true, true});
+    };
+    add("that of no prediction", with / none, 5.0, f.with / f.none);
+    add("without (P2)", with / without, 2.0, f.with / f.without);
+  }
+}
+
 }  // namespace
 
 bool Check::holds() const {
@@ -318,12 +442,17 @@ std::vector<Check> run_checks(Studio& studio, const RegistrationScene& scene) {
   std::vector<Check> checks;
   add_sine_peaks(checks);
   add_doubling(checks);
+  add_chirp(checks);
   add_latency_recovery(checks);
   add_perfect_registration(checks, studio, scene);
   add_lens(checks);
   add_parallax(checks, studio, scene);
   add_shift(checks, studio);
   add_scan_skew(checks, studio, scene);
+  add_wrong_interval(checks);
+  add_abrupt_stop(checks);
+  add_still_jitter(checks);
+  add_inertial_gain(checks);
   return checks;
 }
 
@@ -337,7 +466,9 @@ io::ResultJson checks_json(const std::vector<Check>& checks) {
                     {"measured", io::number_or_null(check.measured)},
                     {"tolerance", check.at_most ? io::ResultJson(nullptr) : io::number_or_null(check.tolerance)},
                     {"unit", check.unit},
-                    {"verdict", check.holds() ? "pass" : "fail"}});
+                    {"verdict", check.holds()      ? "pass"
+                                : check.only_warns ? "warn"
+                                                   : "fail"}});
   }
   return list;
 }

@@ -57,27 +57,14 @@ std::vector<Value> chosen(const std::string& option, const Words& words,
   return values;
 }
 
-/// Sorts what was asked for into what there is and what is to come.
 void choose_pipelines(const Words& words, RunOptions& o) {
-  const std::string known = "P0 to P6, or all";
-  std::vector<Pipeline> asked;
   for (const std::string& word : words) {
-    if (word == "all") {
-      asked.insert(asked.end(), pipelines.begin(), pipelines.end());
-      continue;
+    const std::optional<Pipeline> asked = parse_pipeline(word);
+    if (!asked && word != "all") refuse("--pipeline", "unknown pipeline", word, "P0 to P6, or all");
+    for (const Pipeline pipeline : pipelines) {
+      const bool is_new = std::find(o.pipelines.begin(), o.pipelines.end(), pipeline) == o.pipelines.end();
+      if (is_new && (!asked || *asked == pipeline)) o.pipelines.push_back(pipeline);
     }
-    const std::optional<Pipeline> pipeline = parse_pipeline(word);
-    if (!pipeline) refuse("--pipeline", "unknown pipeline", word, known);
-    asked.push_back(*pipeline);
-  }
-  for (const Pipeline pipeline : asked) {
-    std::vector<Pipeline>& list = is_available(pipeline) ? o.pipelines : o.not_available;
-    if (std::find(list.begin(), list.end(), pipeline) == list.end()) list.push_back(pipeline);
-  }
-  if (o.pipelines.empty()) {
-    const Pipeline first = o.not_available.front();
-    refuse("--pipeline", std::string(unavailable_reason(first)), std::string(name_of(first)),
-           "with others that are: P0, P1, P2, P4, P5, P6");
   }
 }
 
@@ -119,7 +106,7 @@ PixelSize size_of(const std::string& word) {
 
 /// The text of the options of `run`, before they are checked.
 struct RunWords {
-  Words motions, pipelines, deflections, latencies, eyes, lenses, displays;
+  Words motions, pipelines, deflections, interval_errors, latencies, eyes, lenses, displays;
   std::string late, plane_distance = "2", low_pass = "10", size, seed = "1", backend, hmd, model, out = "out/swimlab",
                     json;
   bool full = false, lenient = false;
@@ -137,6 +124,9 @@ RunOptions checked(const RunWords& words, const std::string& command_line) {
   const bool ablation = words.full && words.pipelines.empty();
   if (ablation || !words.deflections.empty()) choose_deflections(or_else(words.deflections, {"own", "shift"}), o);
   if (o.deflections.empty()) o.deflections.emplace_back(std::nullopt);
+  o.interval_errors_ms =
+      numbers_of("--interval-error-ms", or_else(words.interval_errors, ablation ? Words{"-10", "10"} : Words{"0"}),
+                 -100.0, 100.0, "milliseconds, -100 to 100");
   o.plane_distance_m =
       number_of("--plane-distance-m", words.plane_distance, 0.05, 1000.0, "metres before the eye, 0.05 to 1000");
   o.latencies_ms =
@@ -231,11 +221,15 @@ void add_run_command(CLI::App& app, const std::string& command_line, int& exit_c
             "corrected, and M1,M3,M4,M7 as the other options say");
   add_words(
       run_app, "--pipeline", words->pipelines,
-      "P0 no prediction, P1 constant velocity, P2 Kalman filter of poses, P4 = P1 and late rotation, P5 = P1 and late "
-      "depth warp, P6 = P5 line by line, all (P3 is told of as not available yet); default all");
+      "P0 no prediction, P1 constant velocity, P2 Kalman filter of poses, P3 Kalman filter with inertial sensors "
+      "(simulated), P4 = P3 and late rotation, P5 = P3 and late depth warp, P6 = P5 line by line, all; default all");
   add_words(run_app, "--deflection", words->deflections,
             "What P4 to P6 do to the finished picture: own, or instead of it none, shift, shift_roll, rotation, plane, "
             "depth; several make several rows; default own (--full: own,shift)");
+  add_words(
+      run_app, "--interval-error-ms", words->interval_errors,
+      "Rows also of P3 (without it, of all that predict) predicting so much too far (negative: too short); several "
+      "with commas; default none (--full: -10,10)");
   run_app.add_option("--plane-distance-m", words->plane_distance, "Of --deflection plane; default 2");
   add_words(run_app, "--latency-ms", words->latencies,
             "From the tracker's measurement to the middle of scan-out; default 60");

@@ -17,10 +17,10 @@ namespace swimlab {
 
 /// What `swimlab run` was asked, checked.
 struct RunOptions {
-  std::vector<std::string> motions;                                  ///< names M0-M8 or files
-  std::vector<holdfast::Pipeline> pipelines;                         ///< available ones
-  std::vector<holdfast::Pipeline> not_available;                     ///< asked for, and told of in the report
+  std::vector<std::string> motions;  ///< names M0-M8 or files
+  std::vector<holdfast::Pipeline> pipelines;
   std::vector<std::optional<holdfast::DeflectionKind>> deflections;  ///< nothing: the pipeline's own
+  std::vector<double> interval_errors_ms;                            ///< besides the right interval
   double plane_distance_m = 2.0;
   std::vector<double> latencies_ms;
   std::vector<holdfast::EyeSide> eyes;

@@ -148,7 +148,7 @@ ResultJson contact_sheet(const std::vector<const RowResult*>& rows) {
     real["alone"].push_back(nullptr);  // the same picture
   }
   for (const RowResult* row : rows) {
-    const bool own = row->row.deflection == deflection_of(row->row.pipeline);
+    const bool own = !is_ablation(row->row);
     ResultJson& entry = add(variant_name(row->row), own ? std::string(describe(row->row.pipeline)) : "an ablation");
     for (const PictureFrame& frame : row->contact) {
       entry["rms_px"].push_back(rounded(frame.rms_px));

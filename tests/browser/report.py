@@ -77,11 +77,11 @@ def check_mouse(page):
     modes = page.run("return [...document.querySelectorAll('.tabs.small button')].map((b) => b.dataset.mode)")
     expect(modes == ["close", "detail", "whole", "alone"], f"the contact sheet's modes are {modes}")
     rows = "return document.querySelectorAll('.sheet tbody tr').length"
-    expect(page.run(rows) == 6, f"real and five pipelines (P6 is P5 on this display) make six rows, not {page.run(rows)}")
+    expect(page.run(rows) == 9, f"real, six pipelines (P6 is P5 on this display) and two wrong intervals make nine rows, not {page.run(rows)}")
     cards = page.run("return document.querySelectorAll('.cards .card').length")
-    expect(cards == 5, f"five pipelines make five cards, not {cards}")
+    expect(cards == 6, f"six pipelines make six cards, not {cards}")
     numbers = page.run("return [...document.querySelectorAll('.sheet tbody tr:nth-child(n + 2) small')].map((e) => e.textContent)")
-    expect(len(numbers) == 25 and all("px" in n for n in numbers), f"the errors under the pictures are {numbers}")
+    expect(len(numbers) == 40 and all("px" in n for n in numbers), f"the errors under the pictures are {numbers}")
     source = "return document.querySelector('.sheet tbody tr:last-child img').src"
     detail = page.run(source)
     page.run("document.querySelector('.tabs.small [data-mode=whole]').click()")
@@ -95,7 +95,10 @@ def check_mouse(page):
     page.run("document.querySelector('.chart header [aria-pressed]').click()")
     expect(page.run(pressed) == "false", "the linear scale cannot be chosen")
     expect(page.run(CHARTS)[0]["drawn"] > 200, "nothing is drawn on a linear scale")
-    expect(page.run("return document.querySelector('main').textContent.includes('P3, Kalman')"), "what is to come is not told")
+    expect(page.run("return document.querySelector('main').textContent.includes('simulated along the motion')"), "where inertial readings come from is not told")
+    series = page.run("return [...document.querySelectorAll('#chart-latency .legend span')].map((e) => e.textContent)")
+    expect("P3 10 ms too far" in series and any("P3 Kalman" in s for s in series), f"the curves against latency are {series}")
+    expect(page.run("return document.querySelector('#chart-budget-P3 .legend').textContent.includes('interval')"), "P3's budget lacks the interval")
     page.run("document.querySelector('.sheet .picture').click()")
     expect(page.run("return document.getElementById('lightbox').open"), "a picture does not enlarge")
     page.run("document.querySelector('#lightbox button').click()")
@@ -107,7 +110,7 @@ def main():
         return 77
     with tempfile.TemporaryDirectory(prefix="holdfast-browser-") as scratch:
         report = pathlib.Path(scratch) / "report"
-        subprocess.run([sys.argv[1], "run", "--motion", "M1,M7", "--pipeline", "all", "--lens", "none", "--size", "840x472", "--out", report],
+        subprocess.run([sys.argv[1], "run", "--motion", "M1,M7", "--pipeline", "P0,P1,P2,P3,P4,P5,P6", "--interval-error-ms", "-10,10", "--lens", "none", "--size", "840x472", "--out", report],
                        check=True, stdout=subprocess.DEVNULL)
         url = (report / "report.html").as_uri()
         for name, width, height, phone, dark in [("desktop", 1280, 900, False, False), ("phone", 390, 844, True, False),

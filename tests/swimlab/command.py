@@ -47,14 +47,11 @@ class BadUse(Case):
                 ("--backend", "glide", "osmesa"), ("--late-ms", "-1", "0 to 1000"), ("--late-ms", "inf", "0 to 1000"),
                 ("--late-ms", "61", "latency-ms"),
                 ("--deflection", "bend", "shift_roll"), ("--plane-distance-m", "0", "0.05 to 1000"),
-                ("--plane-distance-m", "far", "metres"), ("--latency-ms", "20,,30", "single commas"),
+                ("--plane-distance-m", "far", "metres"), ("--interval-error-ms", "101", "-100 to 100"),
+                ("--interval-error-ms", "early", "milliseconds"), ("--latency-ms", "20,,30", "single commas"),
                 ("--motion", "M1,", "single commas")]:
             with self.subTest(option=option, value=value):
                 self.refused(["run", f"{option}={value}", "--out", "r"], option, value, expected)
-
-    def test_later_pipelines_are_not_available_yet(self):
-        for pipeline in ["P3", "P3,P3"]:
-            self.refused(["run", "--pipeline", pipeline, "--out", "r"], "--pipeline", pipeline[:2], "not available yet", "Kalman")
 
     def test_a_deflection_needs_a_pipeline_that_deflects(self):
         self.refused(["run", "--pipeline", "P0,P1", "--deflection", "shift", "--out", "r"], "--deflection", "shift", "P4")
@@ -165,13 +162,16 @@ class Run(Case):
         self.assertEqual(summary["seed"], 1)
         for key in ["backend", "gl_version", "gl_renderer"]:
             self.assertTrue(summary["environment"][key])
-        self.assertEqual(len(summary["rows"]), 2 * 2 * 6)  # motions, lenses none and exact, pipelines P0, P1, P2, P4, P5, P6
-        self.assertEqual([entry["pipeline"] for entry in summary["not_available"]], ["P3"])
+        self.assertEqual(len(summary["rows"]), 2 * 2 * 7)  # motions, lenses none and exact, pipelines P0 to P6
+        self.assertIn("simulated", summary["inertial"]["readings"])
+        self.assertIn("simulated", answer.stdout)
+        self.assertIn("simulated", (self.dir / "r/report.html").read_text())
         for row in summary["rows"]:
             self.check_row(row)
-        self.assertEqual({check["value"] for check in summary["checks"]}, {1, 2, 4, 5, 6, 7, 8, 9})
+        self.assertEqual({check["value"] for check in summary["checks"]}, set(range(1, 14)))
         for check in summary["checks"]:
-            self.assertEqual(check["verdict"], "pass", check)
+            # Of value 13 a miss warns: motions are not those of 1994.
+            self.assertIn(check["verdict"], ["pass", "warn"] if check["value"] == 13 else ["pass"], check)
             for key in ["what", "expected", "measured", "tolerance", "unit"]:
                 self.assertIn(key, check)
         self.assertGreater(summary["timing"]["ratio"], 1.0)
@@ -191,16 +191,21 @@ class Run(Case):
         self.assertEqual(strict_json((self.dir / "r/summary.json").read_text())["rows"], summary["rows"])
 
     def test_the_default_run_shows_what_each_pipeline_gains(self):
-        answer = swimlab("run", "--pipeline", "P0,P1,P4,P5,P6", "--lens", "exact", "--size", "160x90", "--out", "r", cwd=self.dir)
+        answer = swimlab("run", "--lens", "exact", "--size", "160x90", "--out", "r", cwd=self.dir)
         self.assertEqual(answer.returncode, 0, answer.stdout + answer.stderr)
         rows = strict_json((self.dir / "r/summary.json").read_text())["rows"]
-        self.assertEqual([(row["motion"], row["display"]) for row in rows[::5]],
+        self.assertEqual([(row["motion"], row["display"]) for row in rows[::7]],
                          [("M6", "rolling"), ("M1", "global"), ("M3", "global"), ("M4", "global"), ("M7", "global")])
-        swing = [row["registration"]["rms_px"] for row in rows[:5]]
-        for before, after in zip(swing, swing[1:]):
-            self.assertLess(after, 0.6 * before)
+        # Each leaves less than the one before. From P3 on a rolling scan-out is what is left, until P6 removes it.
+        swing = {row["pipeline"]: row["registration"]["rms_px"] for row in rows[:7]}
+        self.assertLess(swing["P1"], 0.6 * swing["P0"])
+        self.assertLess(swing["P2"], swing["P1"])
+        self.assertLess(swing["P3"], 0.6 * swing["P2"])
+        self.assertLess(swing["P4"], swing["P3"])
+        self.assertLess(swing["P5"], swing["P4"])
+        self.assertLess(swing["P6"], 0.2 * swing["P5"])
         # All lines at once: P6 is P5, told as a row but not drawn again.
-        for p5, p6 in zip(rows[8::5], rows[9::5]):
+        for p5, p6 in zip(rows[12::7], rows[13::7]):
             self.assertEqual((p5["pipeline"], p6["pipeline"]), ("P5", "P6"))
             self.assertEqual(p5["registration"], p6["registration"])
             self.assertTrue(p6["per_scanline"])
@@ -215,16 +220,20 @@ class Run(Case):
             # Windows of the size of undistorted discs cut them here: 0.6 px. What is left is the warp's resampling.
             self.assertLess(row["picture_vs_theory_px"], 0.02)
 
-    def test_pipelines_that_are_to_come_are_listed_not_dropped(self):
-        answer = swimlab("run", "--motion", "M0", "--pipeline", "all", "--lens", "none", "--size", "160x90", "--out", "r",
-                         cwd=self.dir)
+    def test_the_wrong_interval_ablation(self):
+        answer = swimlab("run", "--motion", "M4", "--pipeline", "P0,P3,P5", "--interval-error-ms", "-10,10", "--lens", "none",
+                         "--size", "160x90", "--out", "r", cwd=self.dir)
         self.assertEqual(answer.returncode, 0, answer.stdout + answer.stderr)
-        summary = strict_json((self.dir / "r/summary.json").read_text())
-        self.assertEqual([row["pipeline"] for row in summary["rows"]], ["P0", "P1", "P2", "P4", "P5", "P6"])
-        self.assertEqual([entry["pipeline"] for entry in summary["not_available"]], ["P3"])
-        for entry in summary["not_available"]:
-            self.assertIn("not available yet", entry["reason"])
-            self.assertIn(entry["pipeline"] + ", ", answer.stdout)
+        rows = strict_json((self.dir / "r/summary.json").read_text())["rows"]
+        named = {(row["pipeline"], row["interval_error_ms"]): row for row in rows}
+        # No prediction has no interval that might be wrong.
+        self.assertEqual(list(named), [("P0", 0), ("P3", 0), ("P3", -10), ("P3", 10), ("P5", 0)])
+        for (pipeline, error), row in named.items():
+            self.assertEqual(row["ablation"], error != 0)
+            self.assertAlmostEqual(row["effective_latency_ms"], 60 if pipeline == "P0" else -error, delta=0.5)
+        self.assertIn("P3 10 ms too far", answer.stdout)
+        for name in ["P3-10-ms-too-far", "P3-10-ms-too-short"]:
+            self.assertTrue(list((self.dir / "r/pictures").glob(f"M4_{name}_left_none_60ms_global*.png")), name)
 
     def test_late_correction_and_the_shift_ablation(self):
         answer = swimlab("run", "--motion", "M6", "--pipeline", "P1,P4,P5,P6", "--deflection", "own,shift", "--lens", "exact",

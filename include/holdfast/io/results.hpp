@@ -117,7 +117,8 @@ inline void flatten(const ResultJson& json, const std::string& prefix,
   json["display"] = name_of(row.display);
   json["deflection"] = holdfast::name_of(row.deflection);
   json["per_scanline"] = row.per_scanline;
-  json["ablation"] = row.deflection != deflection_of(row.pipeline);
+  json["interval_error_ms"] = number_or_null(row.interval_error_ms);
+  json["ablation"] = is_ablation(row);
   json["late_ms"] = number_or_null(row.late_ms);
   json["frames"] = row.frames;
   json["registration"] = detail::members<R>(row.registration, {{"rms_px", &R::rms_px},

@@ -4,6 +4,7 @@
 ///   static            the tracker is off by a constant X_HT, nothing is late
 ///   tracker delay     latency of the tracker alone, Delta t_m
 ///   graphics delay    latency of the rest alone, Delta t_g
+///   interval          the predictor takes the interval for longer than it is (of pipelines that predict, where asked for)
 ///   scan-out          lines light one after another, the renderer draws for the middle
 ///   lens              the lens as the application corrects it
 ///   viewing           the renderer believes in another IPD
@@ -28,8 +29,9 @@ namespace holdfast {
 struct BudgetSettings {
   ExperimentSettings
       experiment;  ///< motion's name, pipeline, eye, lens mode, headset with its scan-out; its latency is not used
-  Duration tracker_delay = std::chrono::milliseconds(20);     ///< 001: 15-30 ms of its 50-70 ms
-  Duration graphics_delay = std::chrono::milliseconds(40);    ///< up to the middle of scan-out
+  Duration tracker_delay = std::chrono::milliseconds(20);   ///< 001: 15-30 ms of its 50-70 ms
+  Duration graphics_delay = std::chrono::milliseconds(40);  ///< up to the middle of scan-out
+  Duration interval_error{0};
   Rigid X_HT = Rigid::translation(Vector3(0.002, 0.0, 0.0));  ///< static error; 001 ends at +-4 to 5 mm in all
   double ipd_error_m = 0.002;                                 ///< believed less true
 };
@@ -81,12 +83,14 @@ namespace detail {
   clean.hmd.timing.scan_out = ScanOut::global;
   clean.believed_hmd.reset();
   clean.X_HT = Rigid();
+  clean.interval_error = Duration{0};
+  clean.known_poses.reset();  // they belong to one X_HT
   return clean;
 }
 
 }  // namespace detail
 
-/// Measures the budget on a motion (poses X_WH in the scene's world). Cost: seven experiments.
+/// Measures the budget on a motion (poses X_WH in the scene's world). Cost: seven experiments or eight.
 [[nodiscard]] inline RegistrationBudget registration_budget(
     const Motion& motion, const BudgetSettings& settings,
     const RegistrationScene& scene = default_registration_scene()) {
@@ -104,6 +108,9 @@ namespace detail {
   measure("static", [&](ExperimentSettings& s) { s.X_HT = settings.X_HT; });
   measure("tracker delay", [&](ExperimentSettings& s) { s.latency += settings.tracker_delay; });
   measure("graphics delay", [&](ExperimentSettings& s) { s.latency += settings.graphics_delay; });
+  if (settings.interval_error != Duration{0}) {
+    measure("interval", [&](ExperimentSettings& s) { s.interval_error = settings.interval_error; });
+  }
   measure("scan-out", [&](ExperimentSettings& s) { s.hmd.timing.scan_out = hmd.timing.scan_out; });
   measure("lens", [&](ExperimentSettings& s) { s.lens = settings.experiment.lens; });
   measure("viewing", [&](ExperimentSettings& s) { s.believed_hmd = with_ipd(hmd, hmd.ipd_m + settings.ipd_error_m); });

@@ -4,8 +4,9 @@
 /// names have only the demands that hold for any motion. A deflected picture has the orientation of its late pose: its
 /// interval of prediction is that pose's age, and its position stays that of the drawing unless it is moved by depth.
 /// Tolerances: frames sample a sinusoid's peak, missing it by at
-/// most half a frame (1 - cos(pi f / refresh)); ramps by one frame. Of P2's filter theory demands what does not depend on its
-/// settings: no error while the head keeps still, and the skew of lines. Pose columns do not depend on eye and lens. Source:
+/// most half a frame (1 - cos(pi f / refresh)); ramps by one frame. Of filters theory demands what does not depend on their
+/// settings: of P2 no error while the head keeps still, and the skew of lines; of P3 to P6, whose sensors have noise, nothing.
+/// Of a wrong interval nothing is demanded but on a still head. Pose columns do not depend on eye and lens. Source:
 /// evaluation.md, values 1, 4, 5, 9, 11.
 #pragma once
 
@@ -124,8 +125,11 @@ inline void expect_ramp(Expectations& e, double latency_s, double period_s) {
       !settings.believed_hmd && (settings.lens == LensMode::none || settings.lens == LensMode::exact);
   const bool at_once = settings.hmd.timing.scan_out == ScanOut::global;
 
+  if (prediction_of(settings.pipeline) == PosePrediction::kalman_inertial) return e.values;
   const bool is_filtered = !detail::order_of(settings.pipeline);  // it smooths what it measured, also at no latency
-  if (good_optics && (motion == "M0" || (latency_s == 0.0 && at_once && !is_filtered)))
+  if (good_optics && motion == "M0") e.add("registration.peak_px", 0.0, 1e-9);
+  if (settings.interval_error != Duration{0} && !held) return e.values;
+  if (good_optics && motion != "M0" && latency_s == 0.0 && at_once && !is_filtered)
     e.add("registration.peak_px", 0.0, 1e-9);
   const bool whole = settings.frames == 0;  // a motion cut short need not reach its peaks
   const std::optional<YawSine> sine = whole ? yaw_sine_of(motion) : std::nullopt;

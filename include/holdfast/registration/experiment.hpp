@@ -46,6 +46,10 @@ namespace holdfast {
   if (!(settings.filter.noise.position_m > 0.0) || !(settings.filter.noise.orientation_rad > 0.0)) {
     return std::string("filter noise: must be above 0");
   }
+  if (settings.inertial.interval <= Duration{0}) return std::string("inertial sensors: need an interval above 0");
+  if (settings.interval_error < -std::chrono::seconds(1) || settings.interval_error > std::chrono::seconds(1)) {
+    return std::string("interval error: must be -1000 to 1000 ms");
+  }
   const EyeModel& eye = settings.hmd.eye(settings.eye);
   if (eye.resolution.width < 1 || eye.resolution.height < 1)
     return std::string("eye resolution: must be 1 x 1 or more");
@@ -64,12 +68,6 @@ namespace holdfast {
                                                      const RegistrationScene& scene = default_registration_scene(),
                                                      const FrameObserver& observe = {}) {
   ExperimentResult result;
-  if (!is_available(settings.pipeline)) {
-    result.status = ExperimentStatus::not_available_yet;
-    result.problem = "pipeline " + std::string(name_of(settings.pipeline)) + " is " +
-                     std::string(unavailable_reason(settings.pipeline));
-    return result;
-  }
   if (const std::optional<std::string> problem = problem_of(settings)) {
     result.status = ExperimentStatus::bad_settings;
     result.problem = *problem;
@@ -90,7 +88,7 @@ namespace holdfast {
 
 /// Number of frames that run_experiment would show: for progress bars. 0 when it would refuse.
 [[nodiscard]] inline std::size_t frames_of(const Motion& motion, const ExperimentSettings& settings) {
-  if (!is_available(settings.pipeline) || problem_of(settings)) return 0;
+  if (problem_of(settings)) return 0;
   return detail::plan_frames(motion, settings).count;
 }
 

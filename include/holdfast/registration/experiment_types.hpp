@@ -5,31 +5,36 @@
 /// in JSON null.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <holdfast/deflection/deflect.hpp>
 #include <holdfast/geometry/rigid.hpp>
 #include <holdfast/optics/hmd.hpp>
 #include <holdfast/optics/overfill.hpp>
+#include <holdfast/registration/inertial_recording.hpp>
 #include <holdfast/registration/scene_fiducials.hpp>
 #include <holdfast/timing/clock.hpp>
 #include <holdfast/tracking/pose_filter.hpp>
 
 namespace holdfast {
 
-/// The pipelines of evaluation.md, on the predictors there are. P0 shows the newest measured pose, P1 extrapolates it at
-/// constant velocity; P2 filters all poses measured so far, and carries its state on by the
-/// filter's model. P4 draws as P1 does, and turns the finished picture to a late pose (rotation); P5 moves each point by
-/// its distance too (depth); P6 does so line by line of a rolling scan-out. P3 needs a tracker that is to come.
+/// The pipelines of evaluation.md. P0 shows the newest measured pose, P1 extrapolates it at constant velocity; P2 filters
+/// all poses measured so far, and carries its state on by the filter's model; P3 does so with inertial sensors. P4 draws
+/// as P3 does, and turns the finished picture to a late pose (rotation); P5 moves each point by its distance too
+/// (depth); P6 does so line by line of a rolling scan-out.
 enum class Pipeline { p0, p1, p2, p3, p4, p5, p6 };
 
 inline constexpr std::array pipelines{Pipeline::p0, Pipeline::p1, Pipeline::p2, Pipeline::p3,
@@ -53,13 +58,11 @@ inline constexpr std::array pipelines{Pipeline::p0, Pipeline::p1, Pipeline::p2, 
   }
   return std::nullopt;
 }
-/// Why a pipeline cannot be run yet; empty when it can.
-[[nodiscard]] constexpr std::string_view unavailable_reason(Pipeline pipeline) {
-  if (pipeline == Pipeline::p3) return "not available yet: it needs the Kalman tracker with inertial sensors";
-  return {};
-}
-[[nodiscard]] constexpr bool is_available(Pipeline pipeline) {
-  return unavailable_reason(pipeline).empty();
+/// How a pipeline knows where the head will be.
+enum class PosePrediction { none, constant_velocity, kalman, kalman_inertial };
+
+[[nodiscard]] constexpr PosePrediction prediction_of(Pipeline pipeline) {
+  return static_cast<PosePrediction>(std::min(static_cast<int>(pipeline), 3));
 }
 /// What a pipeline does to the finished picture of its own accord.
 [[nodiscard]] constexpr DeflectionKind deflection_of(Pipeline pipeline) {
@@ -68,10 +71,14 @@ inline constexpr std::array pipelines{Pipeline::p0, Pipeline::p1, Pipeline::p2, 
   return DeflectionKind::none;
 }
 
-/// Where the velocity of P1 and P4 to P6 comes from: the motion's own derivative, as an ideal rate gyro's (generated
+/// Where P1's velocity comes from: the motion's own derivative, as an ideal rate gyro's (generated
 /// motions), or the causal difference of two poses (recordings: their spline looks ahead, so its derivative would be a
 /// prophet's).
 enum class VelocitySource { exact, backward_difference };
+
+/// What an inertial tracker answered: X_WH at one time as known at another. Experiments share it that ask the same, such
+/// as P3 and what P4 to P6 draw, or one pipeline through several lenses.
+using KnownPoses = std::map<std::pair<HostTime, HostTime>, Rigid>;
 
 struct ExperimentSettings {
   std::string motion_name = "M1";  ///< "M0".."M8" choose the values that theory demands; any other name has none
@@ -84,14 +91,21 @@ struct ExperimentSettings {
   Rigid X_HT;                                        ///< static error: the tracker says X_WH * X_HT where X_WH is true
   VelocitySource velocity = VelocitySource::exact;
   Duration velocity_baseline = std::chrono::microseconds(16700);  ///< between the two poses of the backward difference
-  /// P2 alone: the tracker measures at least so often, and then when the others' pose is measured.
+  /// From P2 on: the tracker measures at least so often, and then when the others' pose is measured.
   Duration tracker_interval = std::chrono::microseconds(8334);
   PvaModel filter_model = head_model();
   PoseFilterSettings filter;
-  std::size_t frames = 0;  ///< 0: as many as the motion lasts
+  /// From P3 on: the inertial unit on the head, its errors, and the seed of its noise. Its X_BS is seen from what the
+  /// tracker follows, X_HT away from the head.
+  InertialUnit inertial = recorded_head_unit();
+  std::uint64_t inertial_seed = 1;
+  std::shared_ptr<KnownPoses> known_poses;  ///< of experiments that share motion, unit, seed and X_HT; may be none
+  Duration interval_error{0};  ///< an ablation: whoever predicts takes the light to come so much later than it does
+  std::size_t frames = 0;      ///< 0: as many as the motion lasts
 
   // Of the pipelines that deflect.
   std::optional<DeflectionKind> deflection;        ///< instead of the pipeline's own (an ablation), with any pipeline
+  std::optional<bool> per_scanline;                ///< instead of the pipeline's own
   double plane_distance_m = 2.0;                   ///< of DeflectionKind::plane
   Duration late = std::chrono::milliseconds(3);    ///< the late pose is measured so long before the scan-out starts
   bool perfect_late_pose = false;                  ///< tests: the late poses are the true ones
@@ -104,7 +118,7 @@ struct ExperimentSettings {
 /// How the finished picture is deflected.
 [[nodiscard]] inline DeflectionSettings deflection_of(const ExperimentSettings& settings) {
   return {settings.deflection.value_or(deflection_of(settings.pipeline)), settings.plane_distance_m,
-          settings.pipeline == Pipeline::p6};
+          settings.per_scanline.value_or(settings.pipeline == Pipeline::p6)};
 }
 
 /// A finished picture and what was done to it: all that there is to know to draw it, or to say where a point is seen.
@@ -195,8 +209,9 @@ struct ExperimentRow {
   double latency_ms = 0.0;
   ScanOut display = ScanOut::global;
   DeflectionKind deflection = DeflectionKind::none;
-  bool per_scanline = false;      ///< deflected line by line
-  std::optional<double> late_ms;  ///< the late pose's age at the start of scan-out; nothing when not deflected
+  bool per_scanline = false;       ///< deflected line by line
+  std::optional<double> late_ms;   ///< the late pose's age at the start of scan-out; nothing when not deflected
+  double interval_error_ms = 0.0;  ///< predicted so much too far
   std::size_t frames = 0;
   std::optional<RegistrationSummary> registration;  ///< nothing when no fiducial was ever in view
   std::optional<SwimSummary> swim;
@@ -212,7 +227,12 @@ struct ExperimentRow {
   Verdict verdict = Verdict::none;
 };
 
-enum class ExperimentStatus { ok, not_available_yet, motion_too_short, bad_settings };
+/// Whether something is done in another way than the pipeline's own.
+[[nodiscard]] inline bool is_ablation(const ExperimentRow& row) {
+  return row.deflection != deflection_of(row.pipeline) || row.interval_error_ms != 0.0;
+}
+
+enum class ExperimentStatus { ok, motion_too_short, bad_settings };
 
 struct ExperimentResult {
   ExperimentStatus status = ExperimentStatus::ok;

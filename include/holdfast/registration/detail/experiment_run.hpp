@@ -141,6 +141,9 @@ class ExperimentRun {
     row.deflection = how_.kind;
     row.per_scanline = how_.kind != DeflectionKind::none && how_.per_scanline;
     if (how_.kind != DeflectionKind::none) row.late_ms = to_milliseconds(settings_.late);
+    if (prediction_of(settings_.pipeline) != PosePrediction::none) {
+      row.interval_error_ms = to_milliseconds(settings_.interval_error);
+    }
     row.frames = frames_;
     row.pose = pose_summary();
     set_registration(row);

@@ -244,7 +244,7 @@ void move_truth(TargetState<Order>& truth, const ProcessModel<Order>& model, Hos
   for (int axis = 0; axis < 6; ++axis) {
     const ChainStep<Order> step = chain_step<Order>(model.intensity[axis], model.decay[axis], dt);
     MatrixOf<double, Order> root;
-    REQUIRE(detail::cholesky<Order>(step.Q, root));
+    REQUIRE(cholesky<Order>(step.Q, root));
     const VectorOf<double, Order> kick = root * random_vector<Order>(random);
     for (int i = 0; i < Order; ++i) d[axis + 6 * i] = kick[i];
   }

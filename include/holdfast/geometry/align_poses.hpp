@@ -16,10 +16,10 @@
 #include <span>
 #include <vector>
 
-#include <Eigen/Cholesky>
 #include <Eigen/SVD>
 
 #include <holdfast/geometry/align.hpp>
+#include <holdfast/geometry/cholesky.hpp>
 #include <holdfast/geometry/rigid.hpp>
 
 namespace holdfast {
@@ -38,11 +38,8 @@ struct PoseAlignment {
 namespace align_detail {
 
 using Vector12 = VectorOf<double, 12>;
-/// Normal equations, of 6 or of 12 unknowns. One type of bounded size, so that the compiler makes one decomposition,
-/// and unrolls none. The bound is odd: the members that the decomposition adds are then aligned alike with SSE and AVX.
-using NormalMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::DontAlign, 13, 13>;
-using NormalVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::DontAlign, 13, 1>;
-static_assert(alignof(Eigen::LDLT<NormalMatrix>) == alignof(double) && alignof(SquareSvd) == alignof(double));
+using Matrix12 = MatrixOf<double, 12>;
+static_assert(alignof(SquareSvd) == alignof(double));
 
 /// What one pair of poses says against X_AP = X_AB X_BQ X_QP: rotation (rad) and position (m), both expressed in A.
 struct PoseResidual {
@@ -101,8 +98,8 @@ struct PoseResidual {
   if (!R_AB || !R_PQ) return std::nullopt;
 
   // p_AP = R_AB p_BQ + p_AB + C p_QP, C = R_AB R_BQ: linear in p_AB and p_QP; C^T C = I.
-  NormalMatrix N = NormalMatrix::Identity(6, 6) * n;
-  NormalVector b = NormalVector::Zero(6);
+  Matrix6 N = Matrix6::Identity() * n;
+  Vector6 b = Vector6::Zero();
   for (std::size_t i = 0; i < X_AP.size(); ++i) {
     const Matrix3 C = R_AB->R * X_BQ[i].R();
     const Vector3 r = X_AP[i].p() - R_AB->R * X_BQ[i].p();
@@ -110,7 +107,9 @@ struct PoseResidual {
     b.head<3>() += r;
     b.tail<3>() += C.transpose() * r;
   }
-  const NormalVector positions = Eigen::LDLT<NormalMatrix>(N).solve(b);
+  Matrix6 L;
+  if (!cholesky<6>(N, L)) return std::nullopt;
+  const Vector6 positions = solved_by<6, 1>(L, b);
   PoseAlignment answer;
   answer.X_AB = Rigid(Quaternion(R_AB->R), positions.head<3>());
   answer.X_QP = Rigid(Quaternion(R_PQ->R).conjugate(), positions.tail<3>());
@@ -118,8 +117,7 @@ struct PoseResidual {
 }
 
 /// Adds three rows D d = e to the normal equations: D^T D, lower half, and D^T e, by blocks of three.
-inline void add_to_normal(NormalMatrix& N, NormalVector& b, const MatrixOf<double, 3, 12>& D, const Vector3& e,
-                          double weight) {
+inline void add_to_normal(Matrix12& N, Vector12& b, const MatrixOf<double, 3, 12>& D, const Vector3& e, double weight) {
   for (int column = 0; column < 12; column += 3) {
     const Matrix3 weighted = weight * D.block<3, 3>(0, column);
     b.segment<3>(column) += weighted.transpose() * e;
@@ -161,8 +159,8 @@ inline void add_to_normal(NormalMatrix& N, NormalVector& b, const MatrixOf<doubl
     // finite.
     const double rotation_size = std::max(align_detail::median(rotation_error), 1e-12);
     const double position_size = std::max(align_detail::median(position_error), 1e-12);
-    align_detail::NormalMatrix N = align_detail::NormalMatrix::Zero(12, 12);
-    align_detail::NormalVector b = align_detail::NormalVector::Zero(12);
+    align_detail::Matrix12 N = align_detail::Matrix12::Zero();
+    align_detail::Vector12 b = align_detail::Vector12::Zero();
     for (std::size_t i = 0; i < n; ++i) {
       const align_detail::PoseResidual r = align_detail::pose_residual(X_AP[i], X_BQ[i], answer->X_AB, answer->X_QP);
       const MatrixOf<double, 6, 12> D =
@@ -172,8 +170,9 @@ inline void add_to_normal(NormalMatrix& N, NormalVector& b, const MatrixOf<doubl
       align_detail::add_to_normal(N, b, D.topRows<3>(), r.rotation, weight / (rotation_size * rotation_size));
       align_detail::add_to_normal(N, b, D.bottomRows<3>(), r.position, weight / (position_size * position_size));
     }
-    const Eigen::LDLT<align_detail::NormalMatrix> ldlt(N);
-    const align_detail::NormalVector step = ldlt.solve(b);
+    align_detail::Matrix12 L;
+    if (!cholesky<12>(N, L)) return std::nullopt;
+    const align_detail::Vector12 step = solved_by<12, 1>(L, b);
     if (!step.allFinite()) return std::nullopt;
     const auto moved = [&step](const Rigid& X, int at) {
       const Vector3 turn = step.segment<3>(at);
@@ -183,10 +182,8 @@ inline void add_to_normal(NormalMatrix& N, NormalVector& b, const MatrixOf<doubl
     answer->X_QP = moved(answer->X_QP, 6);
     // Residuals were scaled to a median length of 1 over three numbers each: about 0.65 standard deviations per unit.
     align_detail::Vector12 deviation;
-    for (int k = 0; k < 12; ++k) {
-      const align_detail::NormalVector column = ldlt.solve(align_detail::NormalVector::Unit(12, k));  // of N^-1
-      deviation[k] = 0.65 * std::sqrt(std::max(column[k], 0.0));
-    }
+    const align_detail::Matrix12 covariance = inverse_by<12>(L);
+    for (int k = 0; k < 12; ++k) deviation[k] = 0.65 * std::sqrt(covariance(k, k));
     answer->deviation_X_AB = deviation.head<6>();
     answer->deviation_X_QP = deviation.tail<6>();
     if (step.norm() < 1e-12) break;

@@ -4,6 +4,7 @@
 #include <holdfast/geometry/align.hpp>
 #include <holdfast/geometry/align_poses.hpp>
 #include <holdfast/geometry/angle.hpp>
+#include <holdfast/geometry/cholesky.hpp>
 #include <holdfast/geometry/delaunay.hpp>
 #include <holdfast/geometry/homography.hpp>
 #include <holdfast/geometry/numeric_jacobian.hpp>

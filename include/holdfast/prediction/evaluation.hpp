@@ -34,9 +34,8 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Cholesky>
-
 #include <holdfast/geometry/angle.hpp>
+#include <holdfast/geometry/cholesky.hpp>
 #include <holdfast/motion/sampled_trajectory.hpp>
 #include <holdfast/prediction/error_statistics.hpp>
 #include <holdfast/prediction/inertial_predictor.hpp>
@@ -189,13 +188,12 @@ struct RowRecorder {
     error_vectors.push_back(turned);
     Matrix6 covariance = predicted.covariance;
     add_isotropic(covariance, truth.position_m, truth.orientation_rad);
-    const Eigen::LLT<Matrix6> cholesky(covariance);
-    if (cholesky.info() != Eigen::Success) return;
+    Matrix6 L;
+    if (!cholesky<6>(covariance, L)) return;
     Vector6 error;
     error << X_WB_true.p() - predicted.X_WB.p(), turned;
-    const Vector6 weighted = cholesky.solve(error);
     ++judged;
-    inside += error.dot(weighted) < 12.592 ? 1 : 0;  // 95 % of chi-squared with 6 degrees of freedom
+    inside += squared_distance<6>(L, error) < 12.592 ? 1 : 0;  // 95 % of chi-squared with 6 degrees of freedom
   }
 
   [[nodiscard]] PredictorRow finish(double rate_hz) && {

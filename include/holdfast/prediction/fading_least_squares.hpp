@@ -8,9 +8,7 @@
 /// Bad input: precondition finite examples.
 #pragma once
 
-#include <Eigen/Cholesky>
-
-#include <holdfast/geometry/types.hpp>
+#include <holdfast/geometry/cholesky.hpp>
 
 namespace holdfast {
 
@@ -36,7 +34,9 @@ class FadingLeastSquares {
     const Weights stiffness = (ridge * A_.diagonal() + count_ * usual.cwiseAbs2()).array() + 1e-14;
     A.diagonal() += stiffness;
     const Weights rhs = b_ + stiffness.cwiseProduct(prior);
-    const Weights weights = Eigen::LDLT<MatrixOf<double, N>>(A).solve(rhs);
+    MatrixOf<double, N> L;
+    if (!cholesky<N>(A, L)) return prior;
+    const Weights weights = solved_by<N, 1>(L, rhs);
     return weights.allFinite() ? weights : prior;
   }
 

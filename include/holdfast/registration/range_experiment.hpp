@@ -73,10 +73,8 @@ inline void judge(RangeRow& row, const TargetState<3>& state, const Rigid& X_WB,
 
 /// e^T P^-1 e of the position alone.
 [[nodiscard]] inline double position_nees(const TargetState<3>& state, const Rigid& X_WB) {
-  Matrix3 L;
-  if (!cholesky<3>(state.P.topLeftCorner<3, 3>(), L)) return std::nan("");
-  const MatrixOf<double, 1, 3> error = (state.X_WB.p() - X_WB.p()).transpose();
-  return substituted<1, 3>(error, L).squaredNorm();
+  const Vector3 error = state.X_WB.p() - X_WB.p();
+  return normalised_square<3>(error, state.P.topLeftCorner<3, 3>()).value_or(std::nan(""));
 }
 
 }  // namespace detail

@@ -14,8 +14,9 @@
 #include <optional>
 
 #include <holdfast/assert.hpp>
+#include <holdfast/geometry/cholesky.hpp>
 #include <holdfast/tracking/chi_square.hpp>
-#include <holdfast/tracking/innovation.hpp>
+#include <holdfast/tracking/target_state.hpp>
 
 namespace holdfast {
 
@@ -24,10 +25,8 @@ template <int Size>
 [[nodiscard]] std::optional<double> normalised_square(const VectorOf<double, Size>& d,
                                                       const MatrixOf<double, Size>& P) {
   MatrixOf<double, Size> L;
-  if (!detail::cholesky<Size>(P, L)) return std::nullopt;
-  VectorOf<double, Size> white;  // L^-1 d
-  for (int i = 0; i < Size; ++i) white[i] = (d[i] - L.row(i).head(i).dot(white.head(i))) / L(i, i);
-  const double square = white.squaredNorm();
+  if (!cholesky<Size>(P, L)) return std::nullopt;
+  const double square = squared_distance<Size>(L, d);
   if (!std::isfinite(square)) return std::nullopt;
   return square;
 }

@@ -24,7 +24,6 @@ class InertialAxes {
   static constexpr int block = 15;                               ///< readings
   static constexpr double recovery_s = 0.05;                     ///< of the first two faults
   static constexpr double moved_rad_s = 0.05, moved_m_s2 = 0.3;  ///< more than noise
-  static constexpr double impossible_rad_s = 1e4, impossible_m_s2 = 1e6;
 
   explicit InertialAxes(const InertialRanges& ranges = {}) : ranges_(ranges) {}
 
@@ -33,7 +32,7 @@ class InertialAxes {
     for (std::size_t i = 0; i < 6; ++i) {
       const double z = channel(reading, i);
       const double range = i < 3 ? ranges_.rate : ranges_.force;
-      const double impossible = i < 3 ? impossible_rad_s : impossible_m_s2;
+      const double impossible = i < 3 ? fastest_rad_s : hardest_m_s2;
       if (!(std::abs(z) < impossible)) {
         report(i, SensorFault::not_finite, reading.t);
       } else if (!(std::abs(z) < 0.999 * range)) {

@@ -23,8 +23,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
 
+#include <holdfast/geometry/cholesky.hpp>
 #include <holdfast/tracking/advance.hpp>
 #include <holdfast/tracking/fading_polynomial.hpp>
 #include <holdfast/tracking/inertial_process.hpp>
@@ -235,9 +235,9 @@ class InertialFilter {
     const Vector6 explained = innovation.diagonal();
     innovation.diagonal().head<3>().array() += place_noise_.assumed_variance();
     innovation.diagonal().tail<3>().array() += turn_noise_.assumed_variance();
-    const Eigen::LLT<Matrix6> cholesky(innovation);
-    if (cholesky.info() != Eigen::Success) return false;
-    const Vector6 weighted = cholesky.solve(residual);
+    Matrix6 L;
+    if (!cholesky<6>(innovation, L)) return false;
+    const Vector6 weighted = solved_by<6, 1>(L, residual);
     const bool accepted = residual.dot(weighted) < settings_.gate;
     // One that is off alone is wrong; several in a row may be noisier than thought.
     if ((accepted || rejected_ > 0) && residual.allFinite() && explained.allFinite()) {
@@ -250,7 +250,7 @@ class InertialFilter {
     } else {
       balance_.restart();
     }
-    const MatrixOf<double, 6, S::size> gain = cholesky.solve(PH.transpose());  // transposed
+    const MatrixOf<double, 6, S::size> gain = solved_by<6, S::size>(L, PH.transpose());  // transposed
     S::Error d = PH * weighted;
     d[S::offset] =
         std::clamp(d[S::offset], -largest_offset_s - state_.time_offset_s, largest_offset_s - state_.time_offset_s);

@@ -25,6 +25,7 @@
 #include <optional>
 #include <utility>
 
+#include <holdfast/geometry/cholesky.hpp>
 #include <holdfast/tracking/advance.hpp>
 #include <holdfast/tracking/device_estimate.hpp>
 #include <holdfast/tracking/measurement.hpp>
@@ -32,24 +33,6 @@
 namespace holdfast {
 
 namespace detail {
-
-/// Lower L with L L^T = S, from S's lower triangle; false when S is not positive definite. Zeros above the diagonal.
-template <int Size>
-[[nodiscard]] bool cholesky(const MatrixOf<double, Size>& S, MatrixOf<double, Size>& L) {
-  for (int j = 0; j < Size; ++j) {
-    double pivot = S(j, j);
-    for (int k = 0; k < j; ++k) pivot -= L(j, k) * L(j, k);
-    if (!(pivot > 0.0 && pivot < std::numeric_limits<double>::max())) return false;
-    L(j, j) = std::sqrt(pivot);
-    for (int i = j + 1; i < Size; ++i) {
-      double sum = S(i, j);
-      for (int k = 0; k < j; ++k) sum -= L(i, k) * L(j, k);
-      L(i, j) = sum / L(j, j);
-      L(j, i) = 0.0;
-    }
-  }
-  return true;
-}
 
 /// X L^-T, each row by forward substitution.
 template <int Rows, int Size>
@@ -124,7 +107,7 @@ struct Innovation {
 
   /// Makes L of S's lower triangle, and S symmetric; false when S is no covariance or the residual not finite.
   [[nodiscard]] bool factorise() {
-    if (!detail::cholesky<M::size>(S, L)) return false;
+    if (!cholesky<M::size>(S, L)) return false;
     for (int j = 0; j < M::size; ++j) {
       for (int i = j + 1; i < M::size; ++i) S(j, i) = S(i, j);
     }

@@ -47,7 +47,7 @@ struct WeakestDirection {
 /// Nothing when W is not positive definite (points in one line) or P not finite.
 [[nodiscard]] inline std::optional<WeakestDirection> weakest_direction(const Matrix6& P, const Matrix6& weight) {
   Matrix6 L;  // W = L L^T: the points' error is as long as L^T d
-  if (!P.allFinite() || !detail::cholesky<6>(weight, L)) return std::nullopt;
+  if (!P.allFinite() || !cholesky<6>(weight, L)) return std::nullopt;
   using Plain = Eigen::Matrix<double, 6, 6>;  // Eigen's solver wants its own alignment
   const Eigen::SelfAdjointEigenSolver<Plain> eigen(Plain(L.transpose() * P * L));
   const double mean_square = eigen.eigenvalues()[5];
@@ -56,7 +56,7 @@ struct WeakestDirection {
   const Vector6 along = L * unit;
   WeakestDirection weakest;
   weakest.mean_square = mean_square;
-  weakest.error = std::sqrt(mean_square) * L.transpose().triangularView<Eigen::Upper>().solve(unit);
+  weakest.error = std::sqrt(mean_square) * back_substituted<6, 1>(L, unit);
   weakest.weight = along * along.transpose();
   return weakest;
 }

@@ -16,8 +16,7 @@
 #include <span>
 #include <string_view>
 
-#include <Eigen/Cholesky>
-
+#include <holdfast/geometry/cholesky.hpp>
 #include <holdfast/tracking/trilateration.hpp>
 
 namespace holdfast {
@@ -77,12 +76,11 @@ struct RangeEquations {
 [[nodiscard]] inline std::optional<Matrix3> inverse_of_information(const Matrix3& A, double least = 1e-9) {
   const double scale = A.trace();
   if (!(scale > 0.0) || !std::isfinite(scale)) return std::nullopt;
-  const Eigen::LLT<Eigen::Matrix3d> factors(Eigen::Matrix3d(A / scale));
-  if (factors.info() != Eigen::Success) return std::nullopt;
-  const Eigen::Vector3d pivots = Eigen::Matrix3d(factors.matrixL()).diagonal();
-  if (!(pivots.minCoeff() * pivots.minCoeff() > least)) return std::nullopt;
-  const Eigen::Matrix3d inverse = factors.solve(Eigen::Matrix3d::Identity());
-  return Matrix3(0.5 / scale * (inverse + inverse.transpose()));
+  Matrix3 L;
+  if (!cholesky<3>(Matrix3(A / scale), L)) return std::nullopt;
+  const double least_pivot = L.diagonal().minCoeff();
+  if (!(least_pivot * least_pivot > least)) return std::nullopt;
+  return Matrix3(inverse_by<3>(L) / scale);
 }
 
 [[nodiscard]] inline bool are_usable(std::span<const WeightedRange> ranges) {
@@ -105,9 +103,13 @@ struct RangeEquations {
   double damping = 0.0;
   result.status = MultilaterationStatus::not_converged;
   for (; result.iterations < 50; ++result.iterations) {
-    Eigen::Matrix3d damped = here.A;
+    Matrix3 damped = here.A, L;
     damped.diagonal().array() += damping * here.A.trace();
-    const Vector3 step = damped.ldlt().solve(Eigen::Vector3d(here.g));
+    if (!cholesky<3>(damped, L)) {
+      damping = std::max(1e-6, 10.0 * damping);
+      continue;
+    }
+    const Vector3 step = solved_by<3, 1>(L, here.g);
     const bool small = !(step.cwiseAbs().maxCoeff() > 1e-10);
     const detail::RangeEquations there(ranges, result.p_W + step);
     if (step.allFinite() && there.cost <= here.cost * (1.0 + 1e-12)) {

@@ -16,10 +16,10 @@
 #include <limits>
 #include <string>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
+#include <holdfast/geometry/cholesky.hpp>
 #include <holdfast/tracking/advance.hpp>
 #include <holdfast/tracking/measurement.hpp>
 
@@ -88,17 +88,18 @@ class ObservabilityWindow {
   [[nodiscard]] bool add(const TargetState<Order>& state,
                          const LinearizationOf<Size, StateSize, SourceSize, SensorSize>& linear) {
     static_assert(StateSize <= size);
-    const Eigen::LLT<MatrixOf<double, Size>> R(linear.R);
-    if (R.info() != Eigen::Success || !linear.H.allFinite()) return false;
+    MatrixOf<double, Size> L;
+    if (!cholesky<Size>(linear.R, L) || !linear.H.allFinite()) return false;
     if (count_ > 0 && state.t < newest_.t) return false;
     if (count_ == 0) {
       information_.setZero();
       begin_ = state.t;
     } else if (state.t > newest_.t) {
-      const MatrixOf<double, size> back = state_transition(newest_, model_, state.t).inverse();
+      // Of any size one solver: each fixed size would be compiled anew.
+      const MatrixOf<double, size> back = Eigen::MatrixXd(state_transition(newest_, model_, state.t)).inverse();
       information_ = (back.transpose() * information_ * back).eval();
     }
-    const MatrixOf<double, Size, StateSize> white = R.matrixL().solve(linear.H);
+    const MatrixOf<double, Size, StateSize> white = whitened_by<Size, StateSize>(L, linear.H);
     information_.template topLeftCorner<StateSize, StateSize>() += white.transpose() * white;
     newest_ = state;
     ++count_;

@@ -95,6 +95,9 @@ class RangeAidedIns {
     if (!history_.empty() && to_seconds(reading.t - history_.newest().t) > longest_silence_s) go_silent();
     believe(reading);
     stand_in(reading);
+    if (++readings_ahead_ > most_readings_ahead && !history_.empty() && history_.newest().t > state_.t) {
+      carry(history_.newest().t);
+    }
     history_.push(reading);
     carry_now();
     misfits_ = 0;
@@ -183,14 +186,14 @@ class RangeAidedIns {
  private:
   static constexpr double longest_silence_s = 0.05, longest_gap_s = 1.0, farthest_m = 1e3;
   static constexpr int patience_with_time = 100;
+  static constexpr int most_readings_ahead = 50;  ///< of the newest range: P is carried on without one, then
 
   static void set_deviation(StrapdownCovariance& P, int begin, double deviation) {
     P.diagonal().segment<3>(begin).setConstant(deviation * deviation);
   }
   /// Later than what is already in, by no more than a second.
   [[nodiscard]] bool fits(HostTime t, HostTime last) const {
-    constexpr auto limit = std::chrono::hours(140 * 365 * 24);  // differences of such times do not overflow
-    if (!(t.time_since_epoch() < limit && t.time_since_epoch() > -limit) || t <= last) return false;
+    if (!is_usual(t) || t <= last) return false;
     return !started_ || t - now_.t <= from_seconds(longest_gap_s);
   }
   void misfit(HostTime t, std::uint64_t& count) {
@@ -330,6 +333,7 @@ class RangeAidedIns {
     add_noise(P_, step.seconds, R, noise());
     state_.move(step);
     state_.t = t;
+    readings_ahead_ = 0;
   }
 
   [[nodiscard]] RangeUpdate correct(const BeaconRange& range) {
@@ -386,6 +390,7 @@ class RangeAidedIns {
   Vector3 felt_W_ = Vector3::Zero(), felt_slowly_W_ = Vector3::Zero();  ///< force, averaged
   HostTime newest_ = HostTime::min(), backwards_until_ = HostTime::min(), aided_;
   double nis_ = std::numeric_limits<double>::quiet_NaN();
+  int readings_ahead_ = 0;
   int misfits_ = 0;  ///< inputs in a row of a wrong time
   bool started_ = false, wrong_gravity_ = false;
   RangeAidedInsCounts counts_;

@@ -28,8 +28,8 @@ struct RangeAidedInsSettings {
   double speed_m_s = 0.5, rate_bias = 0.02, force_bias = 0.5;
   // Of a range.
   double range_noise_m = 0.3e-3, range_noise_per_m = 1e-3;
-  double systematic_m = 3e-3;             ///< stays with a pair of transducers
-  double systematic_correlation_s = 5.0;  ///< for so long
+  double systematic_m = 2e-3;             ///< stays with a pair of transducers
+  double systematic_correlation_s = 1.0;  ///< for so long
   GateSettings gate{.probability = 0.999, .patience = 12, .device_probation = 0, .lost_after = 150};
 };
 

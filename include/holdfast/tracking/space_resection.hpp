@@ -16,6 +16,7 @@
 #include <span>
 #include <string_view>
 
+#include <holdfast/geometry/cholesky.hpp>
 #include <holdfast/tracking/camera_sighting.hpp>
 #include <holdfast/tracking/innovation.hpp>
 
@@ -71,13 +72,6 @@ struct Resection {
 
 namespace detail {
 
-/// (L L^T)^-1.
-template <int Size>
-[[nodiscard]] MatrixOf<double, Size> inverse_of(const MatrixOf<double, Size>& L) {
-  const MatrixOf<double, Size> G = substituted<Size, Size>(MatrixOf<double, Size>::Identity(), L);
-  return G.lazyProduct(G.transpose());
-}
-
 /// J^T W J, J^T W r and r^T W r of all measurements at a pose.
 struct NormalEquations {
   Matrix6 A = Matrix6::Zero();
@@ -106,7 +100,7 @@ template <typename Gather>
       result.status = ResectionStatus::singular;
       return result;
     }
-    const Vector6 d = inverse_of<6>(L) * equations.g;
+    const Vector6 d = solved_by<6, 1>(L, equations.g);
     const Rigid moved(result.X_WB.q() * so3::exp<double>(d.tail<3>()), result.X_WB.p() + d.head<3>());
     const bool small = d.cwiseAbs().maxCoeff() < settings.small_step;
     NormalEquations there;
@@ -120,7 +114,7 @@ template <typename Gather>
     }
     if (small) {
       result.status = ResectionStatus::converged;
-      if (cholesky<6>(equations.A, L)) result.covariance = inverse_of<6>(L);
+      if (cholesky<6>(equations.A, L)) result.covariance = inverse_by<6>(L);
       break;
     }
   }

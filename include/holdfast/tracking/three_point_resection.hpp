@@ -81,7 +81,7 @@ struct RealRoots {
     J << 0.0, 2.0 * (s[1] - s[2] * cosines[0]), 2.0 * (s[2] - s[1] * cosines[0]),  //
         2.0 * (s[0] - s[2] * cosines[1]), 0.0, 2.0 * (s[2] - s[0] * cosines[1]),   //
         2.0 * (s[0] - s[1] * cosines[2]), 2.0 * (s[1] - s[0] * cosines[2]), 0.0;
-    const Vector3 step = J.partialPivLu().solve(defect(s));
+    const Vector3 step = J.inverse() * defect(s);
     if (!step.allFinite() || step.norm() > 0.5 * s.norm()) break;
     s -= step;
   }

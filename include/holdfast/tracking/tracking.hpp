@@ -7,6 +7,8 @@
 #include <holdfast/tracking/azuma_bishop_orientation.hpp>
 #include <holdfast/tracking/azuma_bishop_position.hpp>
 #include <holdfast/tracking/backward_difference.hpp>
+#include <holdfast/tracking/beacon_candidate.hpp>
+#include <holdfast/tracking/beacon_mapping.hpp>
 #include <holdfast/tracking/bearing.hpp>
 #include <holdfast/tracking/body_point.hpp>
 #include <holdfast/tracking/camera_sighting.hpp>
@@ -55,9 +57,9 @@
 #include <holdfast/tracking/pose_measurement.hpp>
 #include <holdfast/tracking/process_model.hpp>
 #include <holdfast/tracking/range.hpp>
+#include <holdfast/tracking/range_acquisition.hpp>
 #include <holdfast/tracking/range_aided_ins.hpp>
 #include <holdfast/tracking/range_aided_settings.hpp>
-#include <holdfast/tracking/range_acquisition.hpp>
 #include <holdfast/tracking/range_dilution.hpp>
 #include <holdfast/tracking/range_resection.hpp>
 #include <holdfast/tracking/residual_monitor.hpp>

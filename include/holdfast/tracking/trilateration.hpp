@@ -18,10 +18,9 @@
 #include <tuple>
 #include <utility>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
-#include <holdfast/geometry/types.hpp>
+#include <holdfast/geometry/cholesky.hpp>
 
 namespace holdfast {
 
@@ -68,7 +67,9 @@ namespace detail {
       right += (r.range_m - distance) * unit;
     }
     normal.diagonal().array() += 1e-12 * normal.trace();  // a target in the anchors' plane has no gradient across it
-    const Vector3 next = p_W + normal.ldlt().solve(right);
+    Matrix3 L;
+    if (!cholesky<3>(normal, L)) break;
+    const Vector3 next = p_W + solved_by<3, 1>(L, right);
     const double next_rms = range_rms(ranges, next);
     if (!(next_rms < rms)) break;
     p_W = next;

@@ -61,6 +61,23 @@ TEST_CASE("anchors, ranges and inertial samples are found by their columns' name
   CHECK(inertial[0].force_B == Vector3(4.0, 5.0, 9.8));
 }
 
+TEST_CASE("EuRoC's inertial files; a lenient reading drops bad rows and counts them") {
+  const std::string header =
+      "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],"
+      "a_RS_S_z [m s^-2]\n";
+  const std::string good = "1403636579758555392,1,2,3,4,5,9.8\n", bad = "1403636579763555584,1,2,nan,4,5,9.8\n";
+  const auto read = io::parse_inertial(header + good, "i.csv");
+  REQUIRE(read.size() == 1);
+  CHECK(read[0].t.time_since_epoch().count() == 1403636579758555392);
+  CHECK(read[0].rate_B == Vector3(1.0, 2.0, 3.0));
+  CHECK(read[0].force_B == Vector3(4.0, 5.0, 9.8));
+  check_says(inertial_complaint(header + good + bad), {"i.csv:3", "w_RS_S_z", "nan"});
+  const io::InertialFile lenient =
+      io::parse_inertial(header + good + bad + "7,1\n" + good, "i.csv", io::ReadMode::lenient);
+  CHECK(lenient.readings.size() == 2);
+  CHECK(lenient.dropped == 2);
+}
+
 TEST_CASE("units in the names are heeded") {
   const auto ranges = io::parse_ranges("timestamp [ns],anchor,distance (mm)\n250000001,3,1500\n", "r.csv", two_anchors);
   CHECK(ranges[0].t.time_since_epoch().count() == 250'000'001);

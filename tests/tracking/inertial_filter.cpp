@@ -280,3 +280,30 @@ TEST_CASE("bad readings and poses are refused, a wrong pose is rejected, and a j
   CHECK(filter.state().bias.rate_B == bias);  // what is known of the sensors stays
   CHECK(filter.state().is_finite());
 }
+
+TEST_CASE("a pose of the far future is left again: ten older ones in a row are a clock that was set back") {
+  InertialFilter filter;
+  const auto pose = [](double t) { return TimedPose{time_at(t), Rigid::translation(Vector3(t, 0.0, 0.0))}; };
+  for (int i = 0; i < 20; ++i) filter.update(pose(0.01 * i));
+  CHECK(filter.update(pose(1e6)) == InertialPoseUpdate::started);
+  for (int i = 20; i < 29; ++i) CHECK(filter.update(pose(0.01 * i)) == InertialPoseUpdate::refused);
+  CHECK(filter.update(pose(0.29)) == InertialPoseUpdate::started);
+  CHECK(filter.update(pose(0.30)) == InertialPoseUpdate::updated);
+  CHECK(filter.state().t == time_at(0.30));
+}
+
+TEST_CASE("innovations: noise is what is not explained; going on alike they ask for more of the state's own") {
+  std::mt19937 random(6);
+  NoiseEstimate noise(1.0, 0.1);
+  for (int i = 0; i < 2000; ++i) noise.add(random_vector<3>(random, 0.5), 0.16);
+  // 0.25 - 0.16 of variance; the last hundred of three numbers each tell it to some 6 % of 0.25.
+  CHECK(noise.found() == doctest::Approx(0.3).epsilon(0.15));
+  InnovationBalance alike, alternating;
+  for (int i = 0; i < 2000; ++i) {
+    const Vector3 e = random_vector<3>(random, 2.0);
+    alike.add(e.cwiseAbs(), 4.0);
+    alternating.add((i % 2 == 0 ? 1.0 : -1.0) * e.cwiseAbs(), 4.0);
+  }
+  CHECK(alike.scale() == 4.0);
+  CHECK(alternating.scale() == 0.3);
+}

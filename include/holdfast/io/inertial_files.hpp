@@ -1,10 +1,12 @@
 /// Reads a recording of inertial sensors: a text with named columns (named_columns.hpp).
 ///
-///   t, gx, gy, gz, ax, ay, az    or gyr_x, ..., acc_x, ...; also gyro_, w_, omega_, accel_, a_: rad/s and m/s^2, in the
+///   t, gx, gy, gz, ax, ay, az    or gyr_x, ..., acc_x, ...; also gyro_, w_, omega_, accel_, a_: rad/s and m/s^2, in
+/// the
 ///                                 body's axes; other columns are left alone
-/// as, for instance, t_s,gyr_x_rad_s,gyr_y,gyr_z,acc_x_m_s2,acc_y,acc_z. Times do not decrease.
-/// Bad input: an InputError that names file, line, column, what was found and what was expected: rates in degrees and forces
-/// in units of gravity, where the header says so, too.
+/// as, for instance, t_s,gyr_x_rad_s,gyr_y,gyr_z,acc_x_m_s2,acc_y,acc_z; or a EuRoC file: #timestamp [ns],w_RS_S_x [rad
+/// s^-1], ... Times do not decrease.
+/// Bad input: an InputError that names file, line, column, what was found and what was expected: rates in degrees and
+/// forces in units of gravity, where the header says so, too.
 #pragma once
 
 #include <array>
@@ -15,6 +17,7 @@
 #include <vector>
 
 #include <holdfast/io/named_columns.hpp>
+#include <holdfast/io/trajectory_report.hpp>
 #include <holdfast/io/whole_file.hpp>
 #include <holdfast/tracking/inertial_reading.hpp>
 
@@ -50,24 +53,42 @@ namespace detail {
 
 }  // namespace detail
 
-[[nodiscard]] inline std::vector<InertialReading> parse_inertial(std::string_view text, const std::string& file) {
+struct InertialFile {
+  std::vector<InertialReading> readings;
+  std::size_t dropped = 0;  ///< bad rows, in a lenient reading
+};
+
+[[nodiscard]] inline InertialFile parse_inertial(std::string_view text, const std::string& file, ReadMode mode) {
   detail::NamedColumns rows(text, file, "t_s,gx_rad_s,gy_rad_s,gz_rad_s,ax_m_s2,ay_m_s2,az_m_s2");
   const detail::NamedColumn t = detail::time_column(rows);
   const auto rate = detail::axes_columns(rows, {"g", "gyr", "gyro", "w", "omega"}, {"deg", "dps"}, "is in degrees");
   const auto force = detail::axes_columns(rows, {"a", "acc", "accel"}, {"g", "mg"}, "is in units of gravity");
-  std::vector<InertialReading> readings;
+  InertialFile result;
   HostTime newest = HostTime::min();
-  while (rows.next()) {
-    readings.push_back({detail::time_in_order(rows, t, newest),
-                        Vector3(rows.number(rate[0]), rows.number(rate[1]), rows.number(rate[2])),
-                        Vector3(rows.number(force[0]), rows.number(force[1]), rows.number(force[2]))});
+  for (bool more = true; more;) {
+    try {
+      more = rows.next();
+      if (!more) break;
+      const Vector3 rate_B(rows.number(rate[0]), rows.number(rate[1]), rows.number(rate[2]));
+      const Vector3 force_B(rows.number(force[0]), rows.number(force[1]), rows.number(force[2]));
+      result.readings.push_back({detail::time_in_order(rows, t, newest), rate_B, force_B});
+    } catch (const InputError&) {
+      if (mode == ReadMode::strict) throw;
+      ++result.dropped;
+    }
   }
-  if (readings.empty()) rows.refuse_end();
-  return readings;
+  if (result.readings.empty()) rows.refuse_end();
+  return result;
+}
+[[nodiscard]] inline std::vector<InertialReading> parse_inertial(std::string_view text, const std::string& file) {
+  return parse_inertial(text, file, ReadMode::strict).readings;
 }
 
+[[nodiscard]] inline InertialFile read_inertial(const std::filesystem::path& file, ReadMode mode) {
+  return parse_inertial(read_whole_file(file), file.string(), mode);
+}
 [[nodiscard]] inline std::vector<InertialReading> read_inertial(const std::filesystem::path& file) {
-  return parse_inertial(read_whole_file(file), file.string());
+  return read_inertial(file, ReadMode::strict).readings;
 }
 
 }  // namespace holdfast::io

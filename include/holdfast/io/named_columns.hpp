@@ -1,8 +1,9 @@
 /// A text of numbers in columns that its first line names: comma or blank separated, the columns in any order.
 ///
-/// A column is found by the first word of its name, whatever the case; a unit may follow, joined on or in brackets: "t_s",
-/// "anchor_id", "px_m", "z (Vicon/world frame)", "ax_m_s2". Times are s unless the name says ms, us or ns, and lengths m
-/// unless it says cm or mm. Other columns are left alone. Empty lines, and later ones that begin with #, are skipped.
+/// A column is found by the first word of its name, whatever the case; a unit may follow, joined on or in brackets:
+/// "t_s", "anchor_id", "px_m", "z (Vicon/world frame)", "ax_m_s2". Times are s unless the name says ms, us or ns, and
+/// lengths m unless it says cm or mm. Other columns are left alone. Empty lines, and later ones that begin with #, are
+/// skipped.
 /// Bad input: an InputError that names file, line, column, what was found and what was expected.
 #pragma once
 
@@ -46,12 +47,14 @@ class NamedColumns {
       return std::find(words.begin(), words.end(), name.front()) != words.end();
     });
   }
-  /// The column of one axis: its name begins with one of the words and the axis, as one word or as two: gx, gyr_x.
+  /// The column of one axis: its name begins with one of the words and the axis, as one word or as two: gx, gyr_x; or
+  /// as EuRoC's files have it: w_RS_S_x.
   [[nodiscard]] NamedColumn axis_column(std::initializer_list<std::string_view> words, char axis) const {
     return find(std::string(*words.begin()) + axis, [&](const std::vector<std::string>& name) {
       return std::any_of(words.begin(), words.end(), [&](std::string_view word) {
         return name.front() == std::string(word) + axis ||
-               (name.front() == word && name.size() > 1 && name[1] == std::string(1, axis));
+               (name.front() == word && name.size() > 1 && name[1] == std::string(1, axis)) ||
+               (name.front() == word && name.size() == 4 && name[1] == "rs" && name[3] == std::string(1, axis));
       });
     });
   }

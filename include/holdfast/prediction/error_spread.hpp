@@ -1,10 +1,10 @@
 /// How far predictions were off of late, and the covariance to expect of the next.
 ///
 /// The second moment of the errors of about one second, evened out among the axes by a part, since so few do not tell a
-/// direction; times a factor that is moved by every error until 95 % of them lie inside the ellipsoid that should hold 95 %:
-/// up by a step when one is outside, down by 5/95 of it when inside. That holds whatever the errors' distribution (adaptive
-/// conformal inference, Gibbs & Candes 2021). Each error is judged by the covariance of when it was predicted.
-/// Orientation and place have their own moments, and one factor: the ellipsoid of both holds 95 %.
+/// direction; times a factor that is moved by every error until 95 % of them lie inside the ellipsoid that should hold
+/// 95 %: up by a step when one is outside, down by 5/95 of it when inside. That holds whatever the errors' distribution
+/// (adaptive conformal inference, Gibbs & Candes 2021). Each error is judged by the covariance of when it was
+/// predicted. Orientation and place have their own moments, and one factor: the ellipsoid of both holds 95 %.
 /// Bad input: precondition finite errors.
 #pragma once
 
@@ -24,8 +24,8 @@ class ErrorSpread {
       : turn_(turn_deviation * turn_deviation * Matrix3::Identity()),
         move_(move_deviation * move_deviation * Matrix3::Identity()) {}
 
-  /// An orientation was off by `turn`, a place by `move`, where these covariances were expected. `fade`: what remains of
-  /// the earlier errors.
+  /// An orientation was off by `turn`, a place by `move`, where these covariances were expected. `fade`: what remains
+  /// of the earlier errors.
   void add(const Vector3& turn, const Vector3& move, const Matrix3& turn_expected, const Matrix3& move_expected,
            double fade) {
     constexpr double limit = 12.592, step = 0.03;  // 95 % of chi-squared with 6 degrees of freedom

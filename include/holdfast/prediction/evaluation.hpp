@@ -5,7 +5,8 @@
 ///                             (interpolated between known samples; where samples are rarer, the sample before)
 ///   kalman                    a filter of all samples since the last gap (pose_filter.hpp), carried on by its model
 ///   constant_acceleration     that velocity, and the difference to the one of the window before it
-/// and, where inertial readings are given, stamped by the samples' clock,
+/// and, where inertial readings are given, stamped by the samples' clock (and coming when that says so; found to be
+/// stamped too early, as much later),
 ///   gyro                      the orientation turns on at the newest reading's rate, the place moves at that velocity
 ///   gyro_acceleration         and at the difference of the two newest rates
 ///   kalman_inertial           InertialPredictor, of all samples and readings
@@ -13,11 +14,13 @@
 /// constant rate), or a truth of your own, such as its non-causal 10 Hz low-pass (001 appendix B).
 ///   angle error     angle of R_true^-1 R_predicted, degrees (001 section 5.3 prints 2 cos(qw) for 2 acos(|qw|))
 ///   position error  |p_predicted - p_true|, millimetres
-///   inside_95       how many errors lie inside the ellipsoid that should hold 95 % of them, %; the filters' ellipsoids by the
+///   inside_95       how many errors lie inside the ellipsoid that should hold 95 % of them, %; the filters' ellipsoids
+/// by the
 ///                   noise of the truth larger
 ///
 /// A sample is left out when a gap (an interval longer than five medians) lies between its velocity's start and its
-/// truth, or when the recording ends before: counted in `skipped`. All rows speak of the same samples, in the order above.
+/// truth, or when the recording ends before: counted in `skipped`. All rows speak of the same samples, in the order
+/// above.
 /// Precondition: samples' times strictly increase. Bad input: fewer samples than one evaluation needs gives rows of
 /// zero samples.
 #pragma once
@@ -58,6 +61,7 @@ struct PredictorRow {
   /// Orientation error between 3 and 12 Hz, root mean square (jitter.hpp). Errors count as evenly spaced by the median
   /// interval, also across what was skipped. Nothing for less than 1 s of them.
   std::optional<double> jitter_arcmin;
+  Spectrum angle_spectrum;              ///< of the orientation error, 0.5 to 15 Hz, rad^2/Hz
   std::optional<double> inside_95_pct;  ///< nothing where no covariance is predicted
   std::vector<PredictionError> errors;
 };
@@ -72,7 +76,8 @@ struct EvaluationSettings {
   PoseFilterSettings filter;
   /// In the order of their times; none: no rows of inertial predictors.
   std::span<const InertialReading> inertial;
-  /// Of the truth, independent of the samples'. Nothing: it is measured as they are, as noisy as a filter takes them for.
+  /// Of the truth, independent of the samples'. Nothing: it is measured as they are, as noisy as a filter takes them
+  /// for.
   std::optional<PoseNoise> truth_noise;
 };
 
@@ -90,21 +95,23 @@ struct PredictorEvaluation {
   Duration interval{0};
   std::size_t skipped = 0;  ///< samples without truth or across a gap
   std::vector<PredictorRow> rows;
-  /// Of kalman_inertial, at the end: what it found out about the sensors, and how many predictions it left to the poses.
+  /// Of kalman_inertial, at the end: what it found out about the sensors, and how many predictions it left to the
+  /// poses.
   InertialState sensors;
   std::size_t by_poses = 0;
 };
 
 namespace detail {
 
-/// Finds, for times that only increase, the pose of a recording; remembers where it was.
+/// Finds, for times that mostly increase, the pose of a recording; remembers where it was.
 class Walker {
  public:
   explicit Walker(std::span<const TimedPose> samples) : samples_(samples) {}
 
-  /// Precondition: t within the samples' times, not before the last one asked.
+  /// Precondition: t within the samples' times. Quick where it is near the last one asked.
   [[nodiscard]] Rigid at(HostTime t) {
     while (next_ + 1 < samples_.size() && samples_[next_].t < t) ++next_;
+    while (next_ > 1 && samples_[next_ - 1].t > t) --next_;
     const TimedPose& b = samples_[next_];
     if (b.t == t || next_ == 0) return b.X_WB;
     const TimedPose& a = samples_[next_ - 1];
@@ -196,6 +203,7 @@ struct RowRecorder {
     std::ranges::transform(row.errors, series.begin(), &PredictionError::position_mm);
     row.position_mm = statistics_of(series);
     const std::optional<double> jitter_rad = band_rms<3>(error_vectors, rate_hz);
+    row.angle_spectrum = power_spectrum<3>(error_vectors, rate_hz, FrequencyBand{0.5, 15.0});
     if (jitter_rad) row.jitter_arcmin = radians(*jitter_rad).arcmin();
     if (judged > 0) row.inside_95_pct = 100.0 * static_cast<double>(inside) / static_cast<double>(judged);
     return std::move(row);
@@ -209,7 +217,8 @@ class InertialFollower {
       : readings_(readings), predictor_(predictor_settings(settings)) {}
 
   void follow(const TimedPose& pose) {
-    for (; next_ < readings_.size() && readings_[next_].t <= pose.t; ++next_) {
+    const HostTime until = pose.t + ahead();
+    for (; next_ < readings_.size() && readings_[next_].t <= until; ++next_) {
       const InertialReading& reading = readings_[next_];
       predictor_.update(reading);
       if (!reading.has_rate() || !is_usual(reading.t)) continue;
@@ -227,6 +236,11 @@ class InertialFollower {
   [[nodiscard]] const InertialPredictor& predictor() const { return predictor_; }
 
  private:
+  /// A clock that is behind stamps what has not happened yet by the poses': such readings come later.
+  [[nodiscard]] Duration ahead() const {
+    const Duration offset = predictor_.filter().time_offset();
+    return offset < -std::chrono::microseconds(500) ? offset : Duration{0};
+  }
   static InertialPredictorSettings predictor_settings(const EvaluationSettings& settings) {
     InertialPredictorSettings inertial;
     inertial.model = settings.model;

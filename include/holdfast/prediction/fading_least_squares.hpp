@@ -1,9 +1,10 @@
 /// Weights that would have predicted best of late: linear least squares that forgets.
 ///
-/// Finds c that minimises the sum of |y - F c|^2 over past examples, each counting exp(-age / memory), and stays near a prior
-/// where they do not decide (ridge regression). The axes of a vector share their weights, so no direction is preferred.
-/// Source: recursive least squares with exponential forgetting (Ljung 1999, System Identification, section 11.2), here by its
-/// normal equations, which cannot drift. Units: those of the examples. Nothing here allocates.
+/// Finds c that minimises the sum of |y - F c|^2 over past examples, each counting exp(-age / memory), and stays near a
+/// prior where they do not decide (ridge regression). The axes of a vector share their weights, so no direction is
+/// preferred.
+/// Source: recursive least squares with exponential forgetting (Ljung 1999, System Identification, section 11.2), here
+/// by its normal equations, which cannot drift. Units: those of the examples. Nothing here allocates.
 /// Bad input: precondition finite examples.
 #pragma once
 
@@ -26,8 +27,8 @@ class FadingLeastSquares {
     b_.noalias() += features.transpose().lazyProduct(target);
   }
 
-  /// `ridge` holds each weight at its prior: by this part of what its examples weigh, and as if as many examples had spoken for
-  /// it in which its movement was `usual`. Precondition: ridge > 0. Without examples: the prior.
+  /// `ridge` holds each weight at its prior: by this part of what its examples weigh, and as if as many examples had
+  /// spoken for it in which its movement was `usual`. Precondition: ridge > 0. Without examples: the prior.
   [[nodiscard]] Weights solve(const Weights& prior, double ridge, const Weights& usual) const {
     MatrixOf<double, N> A = A_;
     const Weights stiffness = (ridge * A_.diagonal() + count_ * usual.cwiseAbs2()).array() + 1e-14;

@@ -1,9 +1,10 @@
 /// A PoseFilter that poses which no head could have cannot throw: it believes everything, and would.
 ///
-/// A pose more than eight standard deviations off where it was expected, noisy by 10 mm and 1 degree at that, is rejected; four in
-/// a row are a head that was carried away, and begin it anew. Poses that go back in time are refused; ten in a row are a clock that
-/// was set back, and begin it anew.
-/// Hot path: nothing here allocates, locks or throws. Bad input: poses that are not finite or of unusual times are refused.
+/// A pose more than eight standard deviations off where it was expected, noisy by 10 mm and 1 degree at that, is
+/// rejected; four in a row are a head that was carried away, and begin it anew. Poses that go back in time are refused;
+/// ten in a row are a clock that was set back, and begin it anew.
+/// Hot path: nothing here allocates, locks or throws. Bad input: poses that are not finite or of unusual times are
+/// refused.
 #pragma once
 
 #include <holdfast/prediction/state_prediction.hpp>

@@ -1,12 +1,14 @@
-/// Learns, from poses as they come, how to weigh what inertial readings tell of the future (motion_trend.hpp), and how far
-/// that is off: for each of a few horizons by itself.
+/// Learns, from poses as they come, how to weigh what inertial readings tell of the future (motion_trend.hpp), and how
+/// far that is off: for each of a few horizons by itself.
 ///
-/// Every pose ends predictions that could have been made before it: the trends remembered from 10, 20, 40, 60, 100 and 200 ms
-/// ago are examples for the weights of these horizons (fading_least_squares.hpp), and what was predicted then errs by what
-/// the covariance is made of (error_spread.hpp). Nothing is learnt from a pose before it is there. Examples rarely meet a
-/// horizon; what was learnt counts for their mean. Between these, weights are interpolated, and covariances as powers of time.
+/// Every pose ends predictions that could have been made before it: the trends remembered from 10, 20, 40, 60, 100 and
+/// 200 ms ago are examples for the weights of these horizons (fading_least_squares.hpp), and what was predicted then
+/// errs by what the covariance is made of (error_spread.hpp). Nothing is learnt from a pose before it is there.
+/// Examples rarely meet a horizon; what was learnt counts for their mean. Between these, weights are interpolated, and
+/// covariances as powers of time.
 /// Units: s, rad, m. Hot path: nothing here allocates.
-/// Bad input: precondition finite trends and poses. An example of a horizon that is not met within 8 ms (or 15 %) is left out.
+/// Bad input: precondition finite trends and poses. An example of a horizon that is not met within 8 ms (or 15 %) is
+/// left out.
 #pragma once
 
 #include <algorithm>

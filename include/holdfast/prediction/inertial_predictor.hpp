@@ -1,23 +1,27 @@
-/// The recommended predictor: measured poses and inertial readings in, the pose at any display time out, with covariance.
+/// The recommended predictor: measured poses and inertial readings in, the pose at any display time out, with
+/// covariance.
 ///
 ///     InertialPredictor head;
 ///     head.update(reading);                              // each InertialReading, as it comes
 ///     head.update(pose);                                 // each measured TimedPose, as it comes: later, and slower
-///     InertialPrediction r = head.predict(t_display);    // r.X_WB, r.covariance; r.status, r.by, r.gyro, r.accelerometer
-/// An error-state filter finds pose, velocity and what the sensors do not tell about themselves (inertial_filter.hpp); how
-/// the newest readings are to be carried on is weighed anew for every horizon by what would have been best in the last two
-/// seconds (horizon_learner.hpp), so that higher derivatives count where they help and do not where they hurt.
+///     InertialPrediction r = head.predict(t_display);    // r.X_WB, r.covariance; r.status, r.by, r.gyro,
+/// r.accelerometer An error-state filter finds pose, velocity and what the sensors do not tell about themselves
+/// (inertial_filter.hpp); how the newest readings are to be carried on is weighed anew for every horizon by what would
+/// have been best in the last two seconds (horizon_learner.hpp), so that higher derivatives count where they help and
+/// do not where they hurt.
 /// Nothing is silent:
 ///   r.status   as of every prediction: ok, clamped (held beyond `limits.future`), backwards, no_velocity (no pose yet)
-///   r.by       inertial; poses, when the gyro cannot be believed or the poses are long ago: then a PoseFilter of the poses
+///   r.by       inertial; poses, when the gyro cannot be believed or the poses are long ago: then a PoseFilter of the
+/// poses
 ///              alone predicts; source, when `source_predicts`: the newest pose as it is, not predicted twice
 ///   r.gyro, r.accelerometer   what is wrong with them (inertial_health.hpp). Without accelerometer it stays inertial.
-/// Covariance: of (dp, dphi), without cross terms, against the true pose. It is learnt from predictions between poses, less the
-/// noise that these were found to have; it is not taken for smaller than the filter's own. Where poses are missing, and for half
-/// a second after a start, the filter's covariance says what comes to it (inertial_spread.hpp).
-/// Hot path: nothing here allocates (but the constructor), locks or throws.
-/// Bad input: readings and poses that are not finite, or that go back in time, are refused and named; ten in a row are a clock that
-/// was set back, and followed. A pose that no head could have is rejected, and nothing learnt from it.
+/// Covariance: of (dp, dphi), without cross terms, against the true pose. It is learnt from predictions between poses,
+/// less the noise that these were found to have; it is not taken for smaller than the filter's own. Where poses are
+/// missing, and for half a second after a start, the filter's covariance says what comes to it (inertial_spread.hpp).
+/// Hot path: nothing here allocates (but the constructor), locks or throws. It is an object of about 110 kB, most of it
+/// the moments to learn from: keep it on the heap where stacks are small.
+/// Bad input: readings and poses that are not finite, or that go back in time, are refused and named; ten in a row are
+/// a clock that was set back, and followed. A pose that no head could have is rejected, and nothing learnt from it.
 #pragma once
 
 #include <algorithm>
@@ -39,6 +43,13 @@ struct InertialPredictorSettings {
   InertialRanges ranges;
   StatePredictionLimits limits;
   bool source_predicts = false;  ///< the poses are predictions already
+};
+
+/// Since the begin.
+struct InertialCounts {
+  std::size_t readings = 0, poses = 0;                  ///< used
+  std::size_t refused_readings = 0, refused_poses = 0;  ///< not finite, said twice, or back in time
+  std::size_t rejected_poses = 0;                       ///< no head could have them
 };
 
 enum class PredictedBy { nothing, inertial, poses, source };
@@ -64,48 +75,15 @@ class InertialPredictor {
 
   /// False: refused.
   bool update(const InertialReading& reading) {
-    if (!is_usual(reading.t)) return false;
-    if (read_ && reading.t <= *read_) return refuse_backwards(reading);
-    const double since = read_ ? to_seconds(reading.t - *read_) : 0.0;
-    read_ = reading.t;
-    backwards_ = 0;
-    reading_interval_s_ += 0.1 * (std::min(since, to_seconds(longest_silence)) - reading_interval_s_);
-    sensors_.read(reading);
-    use_force(reading, since);
-    const InertialHistory& history = filter_.history();
-    const HostTime before = history.empty() ? reading.t : history.newest().t;
-    if (!filter_.update(reading)) return false;
-    if (!filter_.is_started()) return true;
-    if (reading.t - before > longest_silence) acceleration_W_.restart();
-    acceleration_W_.update(to_seconds(reading.t - before), filter_.acceleration_now_W());
-    trend_ = motion_trend(filter_, acceleration_W_);
-    if (is_inertial()) remember(rare);
-    return true;
+    const bool used = take(reading);
+    ++(used ? counts_.readings : counts_.refused_readings);
+    return used;
   }
-
   InertialPoseUpdate update(const TimedPose& pose) {
-    const InertialPoseUpdate by_poses = poses_.update(pose);
-    if (by_poses == InertialPoseUpdate::refused) return by_poses;
-    if (poses_.clock_was_set_back()) is_inertial_ = false;
-    const bool was_inertial = is_inertial_;
-    InertialPoseUpdate status = by_poses;
-    if (was_inertial && is_connected(pose.t)) status = filter_.update(pose);
-    check_sensors(pose, by_poses, status);
-    measured_ = pose;
-    is_inertial_ = sensors_.gyro(pose.t) == SensorFault::none && !filter_.history().empty();
-    if (!is_inertial_) status = by_poses;
-    if (is_inertial_ && !was_inertial) {
-      is_inertial_ = by_poses != InertialPoseUpdate::rejected;
-      if (is_inertial_) filter_.start(pose);
-      status = is_inertial_ ? InertialPoseUpdate::started : by_poses;
-    }
-    if (status == InertialPoseUpdate::rejected || status == InertialPoseUpdate::refused) return status;
-    if (is_inertial_) {
-      learn(pose, status);
-    } else {
-      learner_.forget_moments();
-    }
-    previous_ = pose;
+    const InertialPoseUpdate status = take(pose);
+    ++(status == InertialPoseUpdate::refused    ? counts_.refused_poses
+       : status == InertialPoseUpdate::rejected ? counts_.rejected_poses
+                                                : counts_.poses);
     return status;
   }
 
@@ -131,6 +109,7 @@ class InertialPredictor {
   /// What was found out about the sensors.
   [[nodiscard]] const InertialFilter& filter() const { return filter_; }
   [[nodiscard]] const PoseFilter<3>& pose_filter() const { return poses_.filter(); }
+  [[nodiscard]] const InertialCounts& counts() const { return counts_; }
   /// Whether the inertial sensors are what predictions are made from.
   [[nodiscard]] bool is_inertial() const {
     return is_inertial_ && filter_.now().t - filter_.state().t < settings_.filter.longest_gap;
@@ -140,6 +119,52 @@ class InertialPredictor {
   static constexpr Duration longest_silence = std::chrono::milliseconds(50), rare = std::chrono::milliseconds(12),
                             often = std::chrono::milliseconds(5);  ///< between the moments to learn from
   static constexpr int new_clock_after = 10;                       ///< readings in a row that are older than the newest
+
+  bool take(const InertialReading& reading) {
+    if (!is_usual(reading.t)) return false;
+    if (read_ && reading.t <= *read_) return refuse_backwards(reading);
+    const double since = read_ ? to_seconds(reading.t - *read_) : 0.0;
+    read_ = reading.t;
+    backwards_ = 0;
+    reading_interval_s_ += 0.1 * (std::min(since, to_seconds(longest_silence)) - reading_interval_s_);
+    sensors_.read(reading);
+    use_force(reading, since);
+    const InertialHistory& history = filter_.history();
+    const HostTime before = history.empty() ? reading.t : history.newest().t;
+    if (!filter_.update(reading)) return false;
+    if (!filter_.is_started()) return true;
+    if (reading.t - before > longest_silence) acceleration_W_.restart();
+    acceleration_W_.update(to_seconds(reading.t - before), filter_.acceleration_now_W());
+    trend_ = motion_trend(filter_, acceleration_W_);
+    if (is_inertial()) remember(rare);
+    return true;
+  }
+
+  InertialPoseUpdate take(const TimedPose& pose) {
+    const InertialPoseUpdate by_poses = poses_.update(pose);
+    if (by_poses == InertialPoseUpdate::refused) return by_poses;
+    if (poses_.clock_was_set_back()) is_inertial_ = false;
+    const bool was_inertial = is_inertial_;
+    InertialPoseUpdate status = by_poses;
+    if (was_inertial && is_connected(pose.t)) status = filter_.update(pose);
+    check_sensors(pose, by_poses, status);
+    measured_ = pose;
+    is_inertial_ = sensors_.gyro(pose.t) == SensorFault::none && !filter_.history().empty();
+    if (!is_inertial_) status = by_poses;
+    if (is_inertial_ && !was_inertial) {
+      is_inertial_ = by_poses != InertialPoseUpdate::rejected;
+      if (is_inertial_) filter_.start(pose);
+      status = is_inertial_ ? InertialPoseUpdate::started : by_poses;
+    }
+    if (status == InertialPoseUpdate::rejected || status == InertialPoseUpdate::refused) return status;
+    if (is_inertial_) {
+      learn(pose, status);
+    } else {
+      learner_.forget_moments();
+    }
+    previous_ = pose;
+    return status;
+  }
 
   /// One said twice, or a little late, is left out quietly.
   bool refuse_backwards(const InertialReading& reading) {
@@ -254,6 +279,7 @@ class InertialPredictor {
   HostTime remembered_;
   std::optional<HostTime> read_;  ///< of the newest reading, whatever was in it
   double reading_interval_s_ = 0.0;
+  InertialCounts counts_;
   bool is_inertial_ = false, gravity_was_wrong_ = false;
   int backwards_ = 0;  ///< readings in a row
 };

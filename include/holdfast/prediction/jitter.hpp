@@ -39,8 +39,8 @@ struct FrequencyBand {
 
 namespace detail {
 
-/// Mean square of `x` (mean removed, Hann window) inside the band.
-[[nodiscard]] inline double band_mean_square(std::span<const double> x, double rate_hz, const FrequencyBand& band) {
+/// Adds to each line the mean square of `x` there (mean removed, Hann window).
+inline void add_mean_squares(std::span<const double> x, std::size_t first_line, std::span<double> lines) {
   const auto n = static_cast<double>(x.size());
   double mean = 0.0;
   for (const double value : x) mean += value;
@@ -52,41 +52,73 @@ namespace detail {
     windowed[i] = w * (x[i] - mean);
     window_power += w * w;
   }
-  const double bin_hz = rate_hz / n;
-  const auto first = static_cast<std::size_t>(std::ceil(band.low_hz / bin_hz));
-  const auto last = static_cast<std::size_t>(std::floor(std::min(band.high_hz, 0.499 * rate_hz) / bin_hz));
-  double sum = 0.0;
-  for (std::size_t k = first; k <= last; ++k) {
-    const std::complex<double> turn = std::polar(1.0, -2.0 * std::numbers::pi * static_cast<double>(k) / n);
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    const auto line = static_cast<double>(first_line + k);
+    const std::complex<double> turn = std::polar(1.0, -2.0 * std::numbers::pi * line / n);
     std::complex<double> phase = 1.0, amplitude = 0.0;
     for (const double value : windowed) {
       amplitude += value * phase;
       phase *= turn;
     }
-    sum += std::norm(amplitude);
+    lines[k] += 2.0 * std::norm(amplitude) / (n * window_power);  // Parseval; both signs of frequency
   }
-  return 2.0 * sum / (n * window_power);  // Parseval; both signs of frequency
 }
 
 }  // namespace detail
+
+/// Where in frequency a series has its power.
+struct Spectrum {
+  double spacing_hz = 0.0;
+  std::vector<double> frequency_hz;
+  std::vector<double> power;  ///< mean square per Hz
+};
+
+/// The lines inside the band of a series sampled at `rate_hz`; vectors add their components' powers. No lines where
+/// there is no band RMS.
+template <int Rows>
+[[nodiscard]] Spectrum power_spectrum(std::span<const VectorOf<double, Rows>> series, double rate_hz,
+                                      const FrequencyBand& band = {}, double segment_s = 4.0) {
+  Spectrum spectrum;
+  if (!(rate_hz >= 2.5 * band.low_hz) || !(static_cast<double>(series.size()) >= rate_hz)) return spectrum;
+  const auto length = static_cast<std::size_t>(std::min(static_cast<double>(series.size()), segment_s * rate_hz));
+  spectrum.spacing_hz = rate_hz / static_cast<double>(length);
+  const auto first = static_cast<std::size_t>(std::ceil(band.low_hz / spectrum.spacing_hz));
+  const auto last = static_cast<std::size_t>(std::floor(std::min(band.high_hz, 0.499 * rate_hz) / spectrum.spacing_hz));
+  if (last < first) return spectrum;
+  spectrum.power.assign(last - first + 1, 0.0);
+  double segments = 0.0;
+  std::vector<double> component(length);
+  for (std::size_t begin = 0; begin + length <= series.size(); begin += std::max<std::size_t>(1, length / 2)) {
+    for (int row = 0; row < Rows; ++row) {
+      for (std::size_t i = 0; i < length; ++i) component[i] = series[begin + i][row];
+      detail::add_mean_squares(component, first, spectrum.power);
+    }
+    ++segments;
+  }
+  for (std::size_t k = 0; k < spectrum.power.size(); ++k) {
+    spectrum.frequency_hz.push_back(static_cast<double>(first + k) * spectrum.spacing_hz);
+    spectrum.power[k] /= segments * spectrum.spacing_hz;
+  }
+  return spectrum;
+}
+
+/// RMS of what a spectrum has inside the band; nothing for one without lines.
+[[nodiscard]] inline std::optional<double> band_rms(const Spectrum& spectrum, const FrequencyBand& band = {}) {
+  if (spectrum.power.empty()) return std::nullopt;
+  double sum = 0.0;
+  for (std::size_t k = 0; k < spectrum.power.size(); ++k) {
+    const double f = spectrum.frequency_hz[k];
+    if (f >= band.low_hz - 1e-9 && f <= band.high_hz + 1e-9) sum += spectrum.spacing_hz * spectrum.power[k];
+  }
+  return std::sqrt(sum);
+}
 
 /// RMS inside the band of a series sampled at `rate_hz`; vectors add their components' powers.
 template <int Rows>
 [[nodiscard]] std::optional<double> band_rms(std::span<const VectorOf<double, Rows>> series, double rate_hz,
                                              const FrequencyBand& band = {}, double segment_s = 4.0) {
   if (!(rate_hz >= 2.5 * band.low_hz) || !(static_cast<double>(series.size()) >= rate_hz)) return std::nullopt;
-  const auto length = static_cast<std::size_t>(std::min(static_cast<double>(series.size()), segment_s * rate_hz));
-  double sum = 0.0;
-  std::size_t segments = 0;
-  std::vector<double> component(length);
-  for (std::size_t begin = 0; begin + length <= series.size(); begin += std::max<std::size_t>(1, length / 2)) {
-    for (int row = 0; row < Rows; ++row) {
-      for (std::size_t i = 0; i < length; ++i) component[i] = series[begin + i][row];
-      sum += detail::band_mean_square(component, rate_hz, band);
-    }
-    ++segments;
-  }
-  return std::sqrt(sum / static_cast<double>(segments));
+  return band_rms(power_spectrum<Rows>(series, rate_hz, band, segment_s), band).value_or(0.0);
 }
 
 }  // namespace holdfast

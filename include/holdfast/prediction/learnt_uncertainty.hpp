@@ -1,8 +1,9 @@
 /// From a covariance learnt between measured poses to that of a prediction's error now.
 ///
-/// What was learnt is of errors against measured poses: the noise that these were found to have goes, as far as the rest is no
-/// smaller than what the filter's own covariance says. And it was learnt while poses came: where they are missing, and for
-/// half a second after a start, what the filter's covariance says beyond the usual comes to it (inertial_spread.hpp).
+/// What was learnt is of errors against measured poses: the noise that these were found to have goes, as far as the
+/// rest is no smaller than what the filter's own covariance says. And it was learnt while poses came: where they are
+/// missing, and for half a second after a start, what the filter's covariance says beyond the usual comes to it
+/// (inertial_spread.hpp).
 /// Units: m^2, rad^2, s. Nothing here allocates. Bad input: precondition a filter that is started, h >= 0.
 #pragma once
 

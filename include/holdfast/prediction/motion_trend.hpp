@@ -1,10 +1,10 @@
 /// What the newest inertial readings tell of the next tenth of a second: a few candidate movements, to be weighed.
 ///
-/// Orientation: the angular velocity as just read, and its rate of change at growing ages, between the newest reading and
-/// means over (0, 5], (5, 10], (10, 20] and (20, 40] ms. Each is carried over the horizon: w h, then alpha h^2 / 2.
+/// Orientation: the angular velocity as just read, and its rate of change at growing ages, between the newest reading
+/// and means over (0, 5], (5, 10], (10, 20] and (20, 40] ms. Each is carried over the horizon: w h, then alpha h^2 / 2.
 /// Place: velocity, acceleration as just read, acceleration and its rate of change smoothed over 20 ms, and over 50 ms
-/// (fading_polynomial.hpp): v h, a h^2 / 2, j h^3 / 6. Which of these help depends on the horizon, on the noise and on how the body moves: weights for
-/// them are found on line (inertial_predictor.hpp).
+/// (fading_polynomial.hpp): v h, a h^2 / 2, j h^3 / 6. Which of these help depends on the horizon, on the noise and on
+/// how the body moves: weights for them are found on line (inertial_predictor.hpp).
 /// Readings end `gap` seconds before the pose that is carried on: so much longer they are carried.
 /// Frames: turns in B, movements in W. Bad input: precondition finite numbers.
 #pragma once

@@ -1,8 +1,9 @@
-/// A vector signal's value, rate of change and second derivative, by the parabola that fits its past best, the past fading.
+/// A vector signal's value, rate of change and second derivative, by the parabola that fits its past best, the past
+/// fading.
 ///
-/// The fading-memory polynomial filter of degree two (Morrison 1969, Introduction to Sequential Smoothing and Prediction,
-/// section 13; g-h-k filter): least squares with weights exp(-age / memory), in a recursion of three gains. Critically
-/// damped: one number sets it. Samples may come unevenly. Units: those of the signal, per s, per s^2.
+/// The fading-memory polynomial filter of degree two (Morrison 1969, Introduction to Sequential Smoothing and
+/// Prediction, section 13; g-h-k filter): least squares with weights exp(-age / memory), in a recursion of three gains.
+/// Critically damped: one number sets it. Samples may come unevenly. Units: those of the signal, per s, per s^2.
 /// Bad input: preconditions memory > 0, finite numbers, and times that increase.
 #pragma once
 

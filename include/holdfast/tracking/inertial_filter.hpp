@@ -1,20 +1,23 @@
-/// An inertial pose filter: gyro and accelerometer at their high rate, corrected by whole poses that come slower and late.
+/// An inertial pose filter: gyro and accelerometer at their high rate, corrected by whole poses that come slower and
+/// late.
 ///
 ///     InertialFilter filter;
 ///     filter.update(reading);          // each InertialReading
 ///     filter.update(pose);             // each measured TimedPose, of any time since the one before
 ///     filter.now().X_WB();             // with all readings in it
-/// A strapdown integral carries the state, an error-state Kalman filter corrects it (inertial_state.hpp has the 22 numbers).
+/// A strapdown integral carries the state, an error-state Kalman filter corrects it (inertial_state.hpp has the 22
+/// numbers).
 /// What the sensors do not tell about themselves is found on line: biases, gravity in whatever direction, the time by
-/// which their stamps lag behind the poses', and where on the body they sit. Integrals, not readings, meet the poses, so
-/// the covariance is carried once for each pose; a late pose only makes the readings after it be integrated again.
+/// which their stamps lag behind the poses', and where on the body they sit. Integrals, not readings, meet the poses,
+/// so the covariance is carried once for each pose; a late pose only makes the readings after it be integrated again.
 /// The poses' own noise is estimated from what is left over (innovations), starting at `noise`.
-/// Sources: strapdown and error state, Sola 2017 (Quaternion kinematics for the error-state Kalman filter), section 5; time offset
-/// as a state, Li & Mourikis 2014 (Online temporal calibration for camera-IMU systems).
+/// Sources: strapdown and error state, Sola 2017 (Quaternion kinematics for the error-state Kalman filter), section 5;
+/// time offset as a state, Li & Mourikis 2014 (Online temporal calibration for camera-IMU systems).
 /// Hot path: nothing here allocates (but the constructor), locks or throws.
 /// Where the force is missing the velocity stays, more or less, and nothing is learnt of the accelerometer.
-/// Bad input: readings without a rate (inertial_reading.hpp) or not later than the newest are refused (false); so are poses that are
-/// not finite or not later than the one before, and both of an unusual time. A pose that contradicts the state is rejected; `patience` of them in a row start it anew.
+/// Bad input: readings without a rate (inertial_reading.hpp) or not later than the newest are refused (false); so are
+/// poses that are not finite or not later than the one before, and both of an unusual time. A pose that contradicts the
+/// state is rejected; `patience` of them in a row start it anew.
 #pragma once
 
 #include <algorithm>
@@ -68,10 +71,11 @@ class InertialFilter {
 
   InertialPoseUpdate update(const TimedPose& pose) {
     const bool usable = pose.X_WB.is_finite() && pose.X_WB.p().squaredNorm() < 1e18 && is_usual(pose.t);
-    if (!usable || (started_ && pose.t <= state_.t)) {
-      return InertialPoseUpdate::refused;
-    }
-    if (!started_ || pose.t - state_.t > settings_.longest_gap) {
+    if (!usable) return InertialPoseUpdate::refused;
+    const bool is_late = started_ && pose.t <= state_.t;
+    if (is_late && ++late_ < new_clock_after) return InertialPoseUpdate::refused;
+    late_ = 0;
+    if (!started_ || is_late || pose.t - state_.t > settings_.longest_gap) {
       start(pose);
       return InertialPoseUpdate::started;
     }
@@ -96,6 +100,7 @@ class InertialFilter {
     begin.t = pose.t;
     begin.X_WS = Rigid(pose.X_WB.q(), pose.X_WB.p() + pose.X_WB.q() * begin.lever_B);
     begin.v_WS.setZero();
+    balance_.restart();
     state_ = begin;
     const InertialState::Covariance known = P_;
     P_.setZero();
@@ -156,6 +161,7 @@ class InertialFilter {
 
  private:
   static constexpr double longest_step_s = 0.05, largest_offset_s = 0.1;
+  static constexpr int new_clock_after = 10;
 
   void set_deviation(int begin, double deviation) {
     P_.diagonal().segment<3>(begin).setConstant(deviation * deviation);
@@ -207,7 +213,7 @@ class InertialFilter {
     S::Covariance FP;
     FP.noalias() = F.lazyProduct(P_);
     P_.noalias() = FP.lazyProduct(F.transpose());
-    process_ = process_noise(step, settings_);
+    process_ = process_noise(step, settings_, balance_.scale());
     add_process_noise(P_, process_, step.seconds, settings_);
     state_.move(step);
     state_.t = t;
@@ -239,6 +245,11 @@ class InertialFilter {
       turn_noise_.add(residual.tail<3>(), explained.tail<3>().mean());
     }
     if (!accepted) return false;
+    if (uses_force_ && knows_gravity_) {
+      balance_.add(residual.head<3>(), innovation.diagonal().head<3>().mean());
+    } else {
+      balance_.restart();
+    }
     const MatrixOf<double, 6, S::size> gain = solved_by<6, S::size>(L, PH.transpose());  // transposed
     S::Error d = PH * weighted;
     d[S::offset] =
@@ -258,9 +269,10 @@ class InertialFilter {
   InertialState::Covariance P_ = InertialState::Covariance::Zero();
   Vector3 force_now_B_ = Vector3::Zero();
   NoiseEstimate place_noise_, turn_noise_;  ///< of the poses
+  InnovationBalance balance_;               ///< of the place: how much the accelerometer errs
   ProcessNoise process_;                    ///< that was added last
   bool started_ = false, uses_force_ = true, knows_gravity_ = false;
-  int rejected_ = 0;
+  int rejected_ = 0, late_ = 0;  ///< in a row
 };
 
 }  // namespace holdfast

@@ -4,10 +4,12 @@
 ///   not_finite       readings without a number (a missing axis)
 ///   dead, stuck      an axis says zero, or the same, for 0.25 s, while poses show that it should not
 ///   saturated        an axis is at its range's end, now or within 50 ms
-///   time_backwards   readings' time does not go on: a few in a row, or by far (one that is a little late is dropped quietly)
+///   time_backwards   readings' time does not go on: a few in a row, or by far (one that is a little late is dropped
+/// quietly)
 ///   inconsistent     turns by the gyro are not the poses' turns: wrong axes, wrong unit, a failing sensor
 ///   wrong_gravity    of the accelerometer: what it feels has not gravity's length on average: wrong unit
-/// A fault ends when its cause has been away for 0.25 s. Nothing here allocates.
+/// A fault ends when its cause has been away for 0.25 s; dead and stuck when the axis says something else. Nothing here
+/// allocates.
 /// Units: rad/s, m/s^2. Bad input: anything; that is what it is for.
 #pragma once
 
@@ -55,8 +57,13 @@ class TriadHealth {
     if (!z.allFinite()) return report(SensorFault::not_finite, t);
     if (!(z.cwiseAbs().maxCoeff() < 0.999 * range)) report(SensorFault::saturated, t);
     for (int i = 0; i < 3; ++i) {
-      if (started_ && z[i] == last_[i]) continue;
-      changed_[static_cast<std::size_t>(i)] = t;
+      const auto k = static_cast<std::size_t>(i);
+      if (started_ && z[i] == last_[i]) {
+        if (held_[k]) report_held(i, t);
+        continue;
+      }
+      changed_[k] = t;
+      held_[k] = false;
       last_[i] = z[i];
     }
     started_ = true;
@@ -66,9 +73,9 @@ class TriadHealth {
     if (fault(t) == SensorFault::saturated) return;  // that is why
     for (int i = 0; i < 3 && started_; ++i) {
       if (to_seconds(t - changed_[static_cast<std::size_t>(i)]) < unchanged_s) continue;
-      if (std::abs(expected[i] - last_[i]) > tolerance) {
-        report(last_[i] == 0.0 ? SensorFault::dead : SensorFault::stuck, t);
-      }
+      if (!(std::abs(expected[i] - last_[i]) > tolerance)) continue;
+      held_[static_cast<std::size_t>(i)] = true;
+      report_held(i, t);
     }
   }
   void report(SensorFault fault, HostTime t) {
@@ -81,15 +88,18 @@ class TriadHealth {
   }
 
  private:
+  void report_held(int axis, HostTime t) { report(last_[axis] == 0.0 ? SensorFault::dead : SensorFault::stuck, t); }
+
   bool started_ = false;
   Vector3 last_ = Vector3::Zero();
+  std::array<bool, 3> held_{};  ///< found to be dead or stuck, and not changed since
   std::array<HostTime, 3> changed_{};
   SensorFault fault_ = SensorFault::none;
   HostTime until_ = HostTime::min();
 };
 
-/// What an accelerometer feels in the world, on average: without the body's acceleration, which comes and goes, that is what
-/// stands against gravity. Units: m/s^2, s.
+/// What an accelerometer feels in the world, on average: without the body's acceleration, which comes and goes, that is
+/// what stands against gravity. Units: m/s^2, s.
 class GravityCheck {
  public:
   void add(const Vector3& force_W, double since) {
@@ -106,23 +116,30 @@ class GravityCheck {
   Vector3 mean_W_ = Vector3::Zero();
 };
 
-/// Compares the gyro's turns between poses with the poses' own, over the last second or so of turning. One pair counts no more
-/// than what the gyro says, or 25 mrad: a single wrong pose is not a contradiction.
+/// Compares the gyro's turns between poses with the poses' own, over the last second or so of turning. One pair counts
+/// no more than what the gyro says, or 25 mrad: a single wrong pose is not a contradiction. Nor is noise of the poses:
+/// what it adds to one pair it takes from the next, whereas a wrong gyro errs alike.
 class TurnComparison {
  public:
   void add(const Vector3& turn_by_gyro, const Vector3& turn_by_poses) {
     const double most = std::max(6e-4, turn_by_gyro.squaredNorm());
-    difference_ += 0.02 * (std::min(most, (turn_by_gyro - turn_by_poses).squaredNorm()) - difference_);
+    Vector3 difference = turn_by_gyro - turn_by_poses;
+    difference *= std::min(1.0, std::sqrt(most / std::max(most, difference.squaredNorm())));
+    difference_ += 0.02 * (difference.squaredNorm() - difference_);
+    lasting_ += 0.02 * (difference.dot(before_) - lasting_);
+    before_ = difference;
     turned_ += 0.02 * (std::min(most, turn_by_poses.squaredNorm()) - turned_);
   }
   /// Half of the turn is missed, and it is more than the poses' noise (rad, per axis), if that is believable.
   [[nodiscard]] bool contradicts(double noise) const {
     const double believable = std::min(noise, 0.005);
-    return difference_ > 0.25 * turned_ && difference_ > 2.5e-5 + 12.0 * believable * believable;
+    return lasting_ > 0.25 * difference_ && difference_ > 0.25 * turned_ &&
+           difference_ > 2.5e-5 + 12.0 * believable * believable;
   }
 
  private:
-  double difference_ = 0.0, turned_ = 0.0;  // rad^2
+  double difference_ = 0.0, lasting_ = 0.0, turned_ = 0.0;  // rad^2
+  Vector3 before_ = Vector3::Zero();
 };
 
 }  // namespace holdfast

@@ -1,10 +1,12 @@
 /// The newest readings of inertial sensors, and what they say of a stretch of time: the strapdown integral.
 ///
 /// A ring of fixed size: pushing allocates nothing. Between readings the signals are straight lines; after the newest,
-/// the angular velocity goes on at a rate of change that the caller knows, the force stays; before the oldest both stay.
+/// the angular velocity goes on at a rate of change that the caller knows, the force stays; before the oldest both
+/// stay.
 /// Source: strapdown integration by the midpoint rule, exact to second order in the interval between readings.
 /// Frames: B is the body; increments are expressed in B at the stretch's begin. Units: rad/s, m/s^2, s.
-/// Bad input: a reading that is not later than the newest is refused: false. `integrate` of an empty history is at rest.
+/// Bad input: a reading that is not later than the newest is refused: false. `integrate` of an empty history is at
+/// rest.
 #pragma once
 
 #include <algorithm>

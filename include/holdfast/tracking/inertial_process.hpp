@@ -1,7 +1,8 @@
-/// What makes an inertial filter's state more uncertain from pose to pose: the sensors' noise, and how their parameters wander.
+/// What makes an inertial filter's state more uncertain from pose to pose: the sensors' noise, and how their parameters
+/// wander.
 ///
-/// The turn's and the velocity's errors grow by white noise. To the sensors' own comes that of errors which last as long as a head
-/// turns one way, some 0.05 s: a scale that is off, and a lever to the sensors that is.
+/// The turn's and the velocity's errors grow by white noise. To the sensors' own comes that of errors which last as
+/// long as a head turns one way, some 0.05 s: a scale that is off, and a lever to the sensors that is.
 /// Units: intensities rad^2/s, m^2/s^3. Bad input: precondition finite numbers.
 #pragma once
 
@@ -14,7 +15,7 @@ namespace holdfast {
 struct InertialProcessSettings {
   double rate_noise = 5e-4;          ///< of the gyro, rad/s / sqrt(Hz)
   double rate_scale_error = 0.01;    ///< and this part of what it says
-  double force_noise = 0.02;         ///< of the accelerometer, m/s^2 / sqrt(Hz)
+  double force_noise = 0.005;        ///< of the accelerometer, m/s^2 / sqrt(Hz); 0.3 to 4 times that, as the poses tell
   double swing_m = 0.03;             ///< the sensors sit so far from where they are believed to, when turning fast
   double no_force_noise = 1.0;       ///< of the body's acceleration, where there is no accelerometer
   double rate_bias_walk = 2e-5;      ///< rad/s / sqrt(s)
@@ -29,11 +30,11 @@ struct ProcessNoise {
   double force = 0.0;  ///< m^2/s^3
 };
 
-[[nodiscard]] inline ProcessNoise process_noise(const StrapdownIncrement& step,
-                                                const InertialProcessSettings& settings) {
+[[nodiscard]] inline ProcessNoise process_noise(const StrapdownIncrement& step, const InertialProcessSettings& settings,
+                                                double force_scale) {
   const auto square = [](double x) { return x * x; };
   const double rate_squared = std::max(step.rate_begin_B.squaredNorm(), step.rate_end_B.squaredNorm());
-  const double force = step.has_force ? settings.force_noise : settings.no_force_noise;
+  const double force = step.has_force ? force_scale * settings.force_noise : settings.no_force_noise;
   return {square(settings.rate_noise) + 0.05 * square(settings.rate_scale_error) * rate_squared,
           square(force) + 1.25e-4 * square(settings.swing_m * rate_squared)};
 }

@@ -1,9 +1,9 @@
 /// How uncertain the pose becomes that an inertial filter carries on when no pose comes any more.
 ///
 /// What the covariance P says of the pose s seconds later, with the sensors going on: the place errs by
-/// dp + s dv + s^2 / 2 da, where da comes from the tilt, the force's bias and gravity, and the orientation by dphi - s db.
-/// So the variances are polynomials in s; here they are made once, to be evaluated at any s. Of B's origin, not the sensors' place.
-/// Means over the axes; m^2, rad^2. Bad input: precondition finite numbers.
+/// dp + s dv + s^2 / 2 da, where da comes from the tilt, the force's bias and gravity, and the orientation by dphi - s
+/// db. So the variances are polynomials in s; here they are made once, to be evaluated at any s. Of B's origin, not the
+/// sensors' place. Means over the axes; m^2, rad^2. Bad input: precondition finite numbers.
 #pragma once
 
 #include <algorithm>

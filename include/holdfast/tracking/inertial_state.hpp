@@ -1,8 +1,9 @@
 /// What an inertial filter knows: the motion of the sensors, and their own parameters.
 ///
-/// S is the place of the inertial sensors; their axes are the body's, B. The origin of B, which measured poses are of, may lie
-/// elsewhere: p_WB = p_WS - R_WB l_B. The error has 22 numbers, 3 each but for the time offset:
-///   d = (dp, dphi, dv, db_rate, db_force, dg, dtau, dl):   p_true = p_WS + dp (W, m),  R_true = R exp(dphi) (about B's axes),
+/// S is the place of the inertial sensors; their axes are the body's, B. The origin of B, which measured poses are of,
+/// may lie elsewhere: p_WB = p_WS - R_WB l_B. The error has 22 numbers, 3 each but for the time offset:
+///   d = (dp, dphi, dv, db_rate, db_force, dg, dtau, dl):   p_true = p_WS + dp (W, m),  R_true = R exp(dphi) (about B's
+/// axes),
 ///   v (W, m/s), biases (B, rad/s and m/s^2), gravity (W, m/s^2), time offset (s), lever (B, m).
 /// Bad input: is_finite tells.
 #pragma once

@@ -1,7 +1,8 @@
 /// Watches gyro and accelerometer of an InertialFilter: what of inertial_health.hpp is wrong with each, if anything.
 ///
 /// Readings are looked at as they come, and compared with poses and with gravity as these come.
-/// Frames: B is the body. Units: rad/s, m/s^2. Nothing here allocates. Bad input: readings may be anything; that is what it is for.
+/// Frames: B is the body. Units: rad/s, m/s^2. Nothing here allocates. Bad input: readings may be anything; that is
+/// what it is for.
 #pragma once
 
 #include <algorithm>
@@ -38,7 +39,8 @@ class InertialWatch {
   }
   void restart_gravity() { gravity_.restart(); }
 
-  /// Compares the gyro's turn with that between two poses: `believed`, or not but perhaps right: when the filter `started` from them.
+  /// Compares the gyro's turn with that between two poses: `believed`, or not but perhaps right: when the filter
+  /// `started` from them.
   void compare_turn(const InertialFilter& filter, const TimedPose& from, const TimedPose& to, bool believed,
                     bool started) {
     const StrapdownIncrement turned = filter.history().integrate(
@@ -47,6 +49,8 @@ class InertialWatch {
         .add(so3::log<double>(turned.q), so3::log<double>(from.X_WB.q().conjugate() * to.X_WB.q()));
     if (believed) doubtful_turns_ = turns_;
     if (started) turns_ = doubtful_turns_;
+    const SensorFault known = gyro_.fault(to.t);
+    if (known != SensorFault::none && known != SensorFault::inconsistent) return;  // that is why
     if (turns_.contradicts(filter.pose_noise().orientation_rad)) gyro_.report(SensorFault::inconsistent, to.t);
   }
 

@@ -1,7 +1,11 @@
-/// How noisy a measurement of three numbers is, from what a filter left over of it (innovations).
+/// What a filter's innovations, three numbers each, tell of its noises.
 ///
-/// What the state's covariance does not explain of a residual is noise; the last hundred count. The filter itself takes it for no
-/// less than a smallest deviation: its model is never as good as the best measurements.
+/// NoiseEstimate: how noisy the measurement is.
+/// What the state's covariance does not explain of a residual is noise; the last hundred count. The filter itself takes
+/// it for no less than a smallest deviation: its model is never as good as the best measurements.
+/// InnovationBalance: whether the state's own noise is more or less than believed. Innovations of a filter that trusts
+/// its model too much go on the same way from one to the next; of one that trusts it too little, back again; else they
+/// are white.
 /// Source: innovation-based adaptive estimation (Mehra 1970). Units: those of the measurement.
 /// Bad input: precondition finite numbers, deviations > 0.
 #pragma once
@@ -18,7 +22,8 @@ class NoiseEstimate {
   NoiseEstimate() = default;
   NoiseEstimate(double deviation, double smallest) : smallest_(smallest * smallest), variance_(deviation * deviation) {}
 
-  /// `explained`: the variance of each number that the state's covariance says. One that is far off counts as 5 deviations.
+  /// `explained`: the variance of each number that the state's covariance says. One that is far off counts as 5
+  /// deviations.
   void add(const Vector3& residual, double explained) {
     const double square = std::min(residual.squaredNorm() / 3.0, 25.0 * (explained + assumed_variance()));
     variance_ += 0.01 * (square - explained - variance_);
@@ -31,6 +36,25 @@ class NoiseEstimate {
 
  private:
   double smallest_ = 0.0, variance_ = 0.0;
+};
+
+class InnovationBalance {
+ public:
+  void add(const Vector3& residual, double variance) {
+    const Vector3 now = residual / std::sqrt(variance);
+    const double alike = std::clamp(now.dot(before_) / 3.0, -1.0, 3.0);
+    scale_ = std::clamp(scale_ * std::exp(0.04 * alike), 0.3, 4.0);
+    before_ = now;
+  }
+  /// The next innovation does not follow the last one.
+  void restart() { before_.setZero(); }
+
+  /// By which the deviation of the state's noise is to be multiplied.
+  [[nodiscard]] double scale() const { return scale_; }
+
+ private:
+  double scale_ = 1.0;
+  Vector3 before_ = Vector3::Zero();
 };
 
 }  // namespace holdfast

@@ -307,14 +307,15 @@ TEST_CASE("inertial sensors: far less error than without, 60 ms (value 13)") {
     CAPTURE(motion);
     const auto px = [&](Pipeline pipeline) { return run(settings_of(motion, pipeline, 60)).registration->mean_px; };
     const double none = px(Pipeline::p0), without = px(Pipeline::p2), with = px(Pipeline::p3);
-    MESSAGE(motion, ": mean ", none, " px without prediction, ", without, " without inertial, ", with, " with");
+    MESSAGE(std::string(motion), ": mean ", none, " px without prediction, ", without, " without inertial, ", with,
+            " with");
     CHECK(with < 0.2 * none);
     CHECK(with < 0.5 * without);
   }
 }
 
 TEST_CASE("an interval wrong by 10 ms makes 10 ms of effective latency (value 10)") {
-  for (const char* motion : {"M1", "M4", "M6"}) {
+  for (const char* motion : {"M4", "M6"}) {
     for (const double error_ms : {-10.0, 10.0}) {
       CAPTURE(motion);
       ExperimentSettings settings = settings_of(motion, Pipeline::p3, 60);

@@ -120,6 +120,7 @@ struct GyroStart {
   Matrix3 turning_axes_S = Matrix3::Zero();  ///< projects on the directions about which there surely is turning
   double agreement = 0.0;                    ///< 1: the gyros' turning is the poses', but for a rotation
   double turning = 0.0;                      ///< by the gyros, RMS about the mean, rad/s
+  double by_poses = 0.0;                     ///< the same by the poses
 };
 
 namespace detail {
@@ -150,6 +151,7 @@ namespace detail {
   start.gyro.time_offset_s = offset;
   start.gyro.bias = mean_S - start.gyro.q_BS.conjugate() * mean_B;
   start.turning = std::sqrt(squares_S);
+  start.by_poses = std::sqrt(squares_B);
   // A little of the nominal orientation, for what the motion leaves open.
   const Matrix3 with_nominal = covariance + 1e-3 * covariance.norm() * prior.nominal.q_BS.toRotationMatrix();
   const auto nearest = align_detail::nearest_rotation(with_nominal);

@@ -99,6 +99,10 @@ class InertialCalibrator {
       start->gyro.q_BS = settings_.gyro.nominal.q_BS;
       start->turning_axes_S.setZero();
     }
+    const double ratio = start->turning / start->by_poses;
+    if (start->agreement > least_agreement && !(ratio > 0.2 && ratio < 5.0)) {
+      return refuse(said("the gyros turn %.3g times as much as the poses: another unit than rad/s?", ratio));
+    }
     if (!checked_.gyro.complete()) start->turning_axes_S.setIdentity();
     turning_axes_S_ = start->turning_axes_S;
     const double axes = turning_axes_S_.trace();

@@ -34,9 +34,10 @@ namespace holdfast {
 struct RangeAcquisitionSettings {
   double sigma_m = 0.005;           ///< of a range, with all its errors
   double gate_probability = 0.999;  ///< that right ranges pass
-  double minimum_share = 0.5;       ///< of the ranges that must agree with the pose
+  double minimum_share = 0.6;       ///< of the ranges that must agree with the pose: four of eight codes do with any
+  double settled_share = 0.7;       ///< with so many no further tuple is tried
   int margin = 3;                   ///< by so many ranges more than any other pose: one beacon's, with three receivers
-  int tuples = 200;                 ///< at most, of codes, that are tried
+  int tuples = 100;                 ///< at most, of codes, that are tried
   double same_pose_m = 0.05;        ///< nearer than this, and
   double same_pose_rad = 0.05;      ///< than this, two poses are one
 };
@@ -395,8 +396,8 @@ class RangePoseSearch {
   }
   [[nodiscard]] bool is_enough(const Candidate& c) const { return c.agreeing >= settings_.minimum_share * usable(); }
   [[nodiscard]] bool is_settled() const {
-    const auto [candidate, rival] = best();
-    return candidate != nullptr && is_enough(*candidate);
+    const Candidate* candidate = best().first;
+    return candidate != nullptr && candidate->agreeing >= settings_.settled_share * usable();
   }
 
   [[nodiscard]] RangeAcquisition judged() const {

@@ -13,6 +13,9 @@ void add_track_hiball_command(CLI::App& track_app, int& exit_code);
 /// `swimlab track ranges`.
 void add_track_ranges_command(CLI::App& track_app, int& exit_code);
 
+/// `swimlab track constellation`.
+void add_track_constellation_command(CLI::App& track_app, int& exit_code);
+
 /// `swimlab track tune`; there when holdfast::calibration is.
 void add_track_tune_command(CLI::App& track_app, int& exit_code);
 

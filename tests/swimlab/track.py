@@ -287,6 +287,46 @@ class Tune(Case):
         self.assertEqual(len(strict_json((self.dir / "t.json").read_text())["motions"]), 3)
 
 
+class Constellation(Case):
+    def test_typical(self):
+        told = self.done("track", "constellation", "--motion", "swing", "--seconds", "8", "--rate", "400", "--json", "c.json", "--out", "out")
+        result = strict_json((self.dir / "c.json").read_text())
+        self.assertEqual((result["schema"], result["scenario"], result["readings_hz"]), ("holdfast/track/1", "typical", 400))
+        self.assertEqual((self.dir / "out" / "track.json").read_text(), (self.dir / "c.json").read_text())
+        rows = {row["case"]: row for row in result["rows"]}
+        good, bad = rows["table 1"], rows["30 % lost or wrong"]
+        self.assertEqual(good["updates"], 3201)
+        self.assertLess(good["position_mm"]["rms"], 8)
+        self.assertLess(bad["position_mm"]["rms"], 1.5 * good["position_mm"]["rms"])
+        self.assertLess(bad["wrong_accepted"], 0.05 * bad["wrong"])
+        self.assertLess(good["effective_latency_ms"], 2.5)
+        self.assertEqual(rows["ranges alone"]["method"], "ranges_alone")
+        self.assertEqual(good["named"], {"gyro": None, "accelerometer": None})
+        self.assertIn("1 to 8 mm", [figure["paper"] for figure in result["paper"]])
+        for part in ["here", "about 2.5 ms", "times the error"]:
+            self.assertIn(part, told)
+        page = (self.dir / "out" / "report.html").read_text()
+        self.assertIn("swimlab track constellation --scenario typical --motion swing --seconds 8 --seed 1 --rate 400", page)
+
+    def test_faults(self):
+        self.done("track", "constellation", "--scenario", "faults", "--seconds", "9", "--json", "f.json")
+        rows = {row["case"]: row for row in strict_json((self.dir / "f.json").read_text())["rows"]}
+        named = {case: (row["named"]["gyro"], row["named"]["accelerometer"]) for case, row in rows.items()}
+        self.assertEqual(named["none"], (None, None))
+        self.assertEqual(named["dead gyro"], ("dead", None))
+        self.assertEqual(named["one accelerometer missing"], (None, "not_finite"))
+        self.assertEqual(named["force in units of g"], (None, "wrong_gravity"))
+        self.assertEqual(named["readings' clock set back by 1 s"][0], "time_backwards")
+        for row in rows.values():
+            self.assertLess(row["position_mm"]["peak"], 60)
+
+    def test_refusals(self):
+        self.refused(["track", "constellation", "--motion", "hop"], "--motion", "hop", "still, walk-around")
+        self.refused(["track", "constellation", "--scenario", "all"], "--scenario", "typical or faults")
+        self.refused(["track", "constellation", "--rate", "5"], "--rate", "100 to 2000")
+        self.refused(["track", "constellation", "--trajectory", "no.tum"], "no.tum")
+
+
 class Ranges(Case):
     """A body at rest at (0, 0, 1), in a room with an anchor in each corner; exact ranges, 80 a second, for 3 s."""
 

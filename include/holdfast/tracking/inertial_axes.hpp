@@ -45,9 +45,7 @@ class InertialAxes {
   }
 
   [[nodiscard]] SensorFault fault(std::size_t channel, HostTime t) const {
-    return frozen_[channel] != SensorFault::none ? frozen_[channel]
-           : t < until_[channel]                 ? reported_[channel]
-                                                 : SensorFault::none;
+    return t < until_[channel] ? reported_[channel] : frozen_[channel];
   }
   /// The first fault among three axes that begin at a channel.
   [[nodiscard]] SensorFault triad_fault(std::size_t begin, HostTime t) const {

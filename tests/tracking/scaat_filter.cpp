@@ -298,7 +298,7 @@ TEST_CASE("a million bad measurements: the state stays finite, its covariance sy
         const VectorOf<double, 12> scale = state.P.diagonal().cwiseSqrt().cwiseInverse();
         const Matrix12 correlation = scale.asDiagonal() * state.P * scale.asDiagonal();
         Matrix12 L;
-        if (!detail::cholesky<12>(correlation, L)) ++unsound;
+        if (!cholesky<12>(correlation, L)) ++unsound;
       }
     }
     CHECK(filter.counters().total() == static_cast<std::uint64_t>(updates));

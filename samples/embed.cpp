@@ -2,7 +2,7 @@
 // each eye out.
 #include <iostream>
 
-#include <holdfast/holdfast.hpp>
+#include <holdfast/pipeline/pipeline.hpp>
 
 using namespace holdfast;
 

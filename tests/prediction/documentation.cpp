@@ -5,7 +5,10 @@
 
 #include <doctest/doctest.h>
 
-#include <holdfast/prediction/prediction.hpp>
+#include <holdfast/prediction/predictor.hpp>
+#include <holdfast/prediction/state_prediction.hpp>
+#include <holdfast/tracking/backward_difference.hpp>
+#include <holdfast/tracking/pose_filter.hpp>
 
 using namespace holdfast;
 

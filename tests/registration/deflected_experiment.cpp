@@ -2,7 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <holdfast/motion/generators.hpp>
-#include <holdfast/registration/registration.hpp>
+#include <holdfast/registration/experiment.hpp>
 
 #include "registration/motions.hpp"
 

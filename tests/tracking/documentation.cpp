@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include <holdfast/tracking/tracking.hpp>
+#include <holdfast/tracking/backward_difference.hpp>
 
 using namespace holdfast;
 

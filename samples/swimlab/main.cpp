@@ -40,7 +40,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", "swimlab " HOLDFAST_VERSION);
   app.footer("Example:\n  swimlab run --motion M1 --out out/report     then open out/report/report.html");
   swimlab::add_run_command(app, command_line(argc, argv), exit_code);
-  swimlab::add_predict_command(app, exit_code);
+  swimlab::add_predict_command(app, command_line(argc, argv), exit_code);
   swimlab::add_latency_command(app, exit_code);
   swimlab::add_lens_command(app, exit_code);
   swimlab::add_track_command(app, exit_code);

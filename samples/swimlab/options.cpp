@@ -254,9 +254,9 @@ void add_run_command(CLI::App& app, const std::string& command_line, int& exit_c
   run_app.callback([words, command_line, &exit_code] { exit_code = run(checked(*words, command_line)); });
 }
 
-void add_predict_command(CLI::App& app, int& exit_code) {
+void add_predict_command(CLI::App& app, const std::string& command_line, int& exit_code) {
   struct Given {
-    std::string trajectory, imu, json, noise_mm, noise_deg, pose_hz;
+    std::string trajectory, imu, json, out, noise_mm, noise_deg, pose_hz;
     Words intervals;
     bool lenient = false;
   };
@@ -265,24 +265,29 @@ void add_predict_command(CLI::App& app, int& exit_code) {
   predict_app.add_option("TRAJECTORY", given->trajectory, "Recorded poses: TUM, EuRoC or CSV")->required();
   predict_app
       .add_option("--imu", given->imu,
-                  "Recorded inertial readings (CSV: t, gyr_x.., acc_x..; rad/s, m/s2); without it they are simulated")
+                  "Recorded inertial readings (CSV: t, gyr_x.., acc_x.., or EuRoC; rad/s, m/s2); without it they are "
+                  "simulated")
       ->type_name("FILE");
   predict_app.add_option("--pose-hz", given->pose_hz,
-                         "Measure so many poses a second, the others are truth alone; default all");
+                         "Measure about so many poses a second (every so many-th), the others are truth alone; default "
+                         "all");
   add_words(predict_app, "--interval-ms", given->intervals, "How far ahead; default 60");
   predict_app.add_option("--noise-mm", given->noise_mm, "Noise of the recorded positions, for kalman; default 0.05");
   predict_app.add_option("--noise-deg", given->noise_deg,
                          "Noise of the recorded orientations, for kalman; default 0.0172 (0.3 mrad)");
   predict_app.add_flag("--lenient", given->lenient, "Drop and count bad rows instead of stopping");
+  predict_app.add_option("--out", given->out, "Folder for report.html and predict.json")->type_name("DIR");
   add_json(predict_app, given->json);
   predict_app.footer(
       "Example:\n  swimlab predict head.tum --interval-ms 20,60,100 --json predict.json\n"
-      "  swimlab predict recording.csv --imu recording.csv --pose-hz 95");
-  predict_app.callback([given, &exit_code] {
+      "  swimlab predict recording.csv --imu recording.csv --pose-hz 95 --out out/predict");
+  predict_app.callback([given, command_line, &exit_code] {
     PredictOptions o;
     o.trajectory = given->trajectory;
     o.imu = given->imu;
     o.json = given->json;
+    o.out = given->out;
+    o.command = command_line;
     o.lenient = given->lenient;
     o.intervals_ms = numbers_of("--interval-ms", given->intervals.empty() ? Words{"60"} : given->intervals, 0.0, 1000.0,
                                 "milliseconds, 0 to 1000");

@@ -41,11 +41,12 @@ struct RunOptions {
 };
 
 struct PredictOptions {
-  std::filesystem::path trajectory, imu, json;
+  std::filesystem::path trajectory, imu, json, out;  ///< out empty: no report
   std::vector<double> intervals_ms;
   holdfast::PoseNoise noise = holdfast::PoseFilterSettings().noise;  ///< of the recording, as the filter is told
   double pose_hz = 0.0;                                              ///< every so many-th pose is measured; 0: all
   bool lenient = false;
+  std::string command;  ///< as typed, for the report
 };
 
 struct LatencyCommandOptions {
@@ -72,7 +73,7 @@ CLI::Option* add_words(CLI::App& command, const std::string& name, Words& words,
 
 /// The subcommands' options; the returned callables check them when the command line is read, and run the command.
 void add_run_command(CLI::App& app, const std::string& command_line, int& exit_code);
-void add_predict_command(CLI::App& app, int& exit_code);
+void add_predict_command(CLI::App& app, const std::string& command_line, int& exit_code);
 void add_latency_command(CLI::App& app, int& exit_code);
 
 // run_command.cpp, predict_command.cpp, latency_command.cpp

@@ -1,7 +1,8 @@
-/// swimlab predict: how far predictors are off on a recording (001's figure 6).
+/// swimlab predict: how far predictors are off on a recording (001's figures 6 and 7).
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <optional>
 
 #include <holdfast/io/inertial_files.hpp>
 #include <holdfast/io/input_error.hpp>
@@ -14,6 +15,10 @@
 #include "exit_code.hpp"
 #include "options.hpp"
 #include "output_folder.hpp"
+#include "predict_page.hpp"
+#include "progress.hpp"
+#include "report_page.hpp"
+#include "text.hpp"
 
 namespace swimlab {
 
@@ -59,6 +64,14 @@ ResultJson sensors_json(const InertialState& sensors) {
           {"lever_mm", vector_json(1e3 * sensors.lever_B)}};
 }
 
+/// Of rad^2/Hz, in arcmin^2/Hz.
+ResultJson spectrum_json(const Spectrum& spectrum) {
+  ResultJson json = ResultJson::array();
+  const double arcmin = radians(1.0).arcmin();
+  for (const double power : spectrum.power) json.push_back(io::number_or_null(arcmin * arcmin * power));
+  return json;
+}
+
 ResultJson block_json(double interval_ms, const PredictorEvaluation& evaluation, const PoseNoise& noise,
                       const std::string& inertial) {
   ResultJson json;
@@ -73,8 +86,11 @@ ResultJson block_json(double interval_ms, const PredictorEvaluation& evaluation,
          {"position_mm", summary_json(row.position_mm)},
          {"screen_px", summary_json(screen_error(row))},
          {"jitter_arcmin", io::number_or_null(row.jitter_arcmin)},
-         {"inside_95_pct", io::number_or_null(row.inside_95_pct)}});
+         {"inside_95_pct", io::number_or_null(row.inside_95_pct)},
+         {"spectrum_arcmin2_per_hz", spectrum_json(row.angle_spectrum)}});
   }
+  json["spectrum_hz"] =
+      evaluation.rows.empty() ? std::vector<double>() : evaluation.rows.front().angle_spectrum.frequency_hz;
   json["samples"] = evaluation.rows.empty() ? 0 : evaluation.rows.front().errors.size();
   json["skipped"] = evaluation.skipped;
   json["kalman_noise"] = {{"position_mm", 1e3 * noise.position_m},
@@ -144,51 +160,121 @@ void check_overlap(const std::vector<InertialReading>& readings, const std::vect
                         .expected = "readings stamped by the clock of " + options.trajectory.string()});
 }
 
+OutputKind predict_output() {
+  return {.command = "swimlab predict",
+          .summary = "predict.json",
+          .schema = "\"holdfast/predict/1\"",
+          .files = {"report.html"}};
+}
+
+/// What is evaluated: which poses are measured, what they are compared with, and the readings.
+struct Recording {
+  std::vector<TimedPose> poses, truth;
+  std::vector<InertialReading> inertial;
+  std::string readings;  ///< in words
+
+  [[nodiscard]] double poses_hz() const { return poses.size() > 1 ? 1.0 / to_seconds(median_interval(poses)) : 0.0; }
+};
+
+Recording recording_of(const PredictOptions& options) {
+  const io::ReadMode mode = options.lenient ? io::ReadMode::lenient : io::ReadMode::strict;
+  io::TrajectoryFile file = io::read_trajectory(options.trajectory, mode);
+  std::printf("%s: %s", options.trajectory.string().c_str(), io::describe(file.report).c_str());
+  Recording recording;
+  recording.truth = std::move(file.samples);
+  if (!options.imu.empty()) {
+    io::InertialFile imu = io::read_inertial(options.imu, mode);
+    recording.inertial = std::move(imu.readings);
+    recording.readings = options.imu.string();
+    if (imu.dropped > 0) recording.readings += ", " + std::to_string(imu.dropped) + " bad rows dropped";
+  } else {
+    if (recording.truth.size() > 1) recording.inertial = simulate_inertial(recording.truth);
+    recording.readings = "simulated along the recording below 10 Hz: 500 Hz, noise 0.005 rad/s and 0.01 m/s2 a reading";
+  }
+  check_overlap(recording.inertial, recording.truth, options);
+  std::printf("inertial readings: %s\n", recording.readings.c_str());
+  recording.poses =
+      options.pose_hz > 0.0 && recording.truth.size() > 1 ? thinned(recording.truth, options.pose_hz) : recording.truth;
+  if (options.pose_hz > 0.0)
+    std::printf("measured: every so many-th pose, %.4g a second (asked for %g)\n", recording.poses_hz(),
+                options.pose_hz);
+  return recording;
+}
+
+/// Nothing when the recording is too short for the interval.
+std::optional<ResultJson> evaluated(const Recording& recording, double interval_ms, const PredictOptions& options) {
+  EvaluationSettings settings;
+  settings.interval = from_milliseconds(interval_ms);
+  settings.filter.noise = options.noise;
+  settings.inertial = recording.inertial;
+  const PredictorEvaluation evaluation = evaluate_predictors(recording.poses, recording.truth, settings);
+  if (evaluation.rows.empty() || evaluation.rows.front().errors.empty()) return std::nullopt;
+  ResultJson json = block_json(interval_ms, evaluation, options.noise, recording.readings);
+  json["poses_hz"] = recording.poses_hz();
+  return json;
+}
+
+/// For the charts: intervals up to 200 ms, as in 001's figure 7.
+std::vector<ResultJson> swept(const Recording& recording, const PredictOptions& options) {
+  constexpr std::array intervals_ms{10.0, 20.0, 30.0, 40.0, 60.0, 80.0, 100.0, 125.0, 150.0, 175.0, 200.0};
+  Progress progress("predict", intervals_ms.size());
+  std::vector<ResultJson> sweep;
+  for (std::size_t i = 0; i < intervals_ms.size(); ++i) {
+    progress.show(i, text_of("%g ms ahead", intervals_ms[i]));
+    if (auto block = evaluated(recording, intervals_ms[i], options)) sweep.push_back(std::move(*block));
+  }
+  return sweep;
+}
+
+/// The sweep as the JSON has it: without the spectra.
+ResultJson sweep_json(std::vector<ResultJson> sweep) {
+  ResultJson json = ResultJson::array();
+  for (ResultJson& block : sweep) {
+    for (const char* rows : {"rows", "further_rows"}) {
+      for (ResultJson& row : block[rows]) row.erase("spectrum_arcmin2_per_hz");
+    }
+    json.push_back(
+        {{"interval_ms", block["interval_ms"]}, {"rows", block["rows"]}, {"further_rows", block["further_rows"]}});
+  }
+  return json;
+}
+
 }  // namespace
 
 int predict(const PredictOptions& options) {
   const std::filesystem::path json_file = checked_json_file(options.json);
-  const io::TrajectoryFile recording =
-      io::read_trajectory(options.trajectory, options.lenient ? io::ReadMode::lenient : io::ReadMode::strict);
-  std::printf("%s: %s", options.trajectory.string().c_str(), io::describe(recording.report).c_str());
-  const std::vector<InertialReading> inertial =
-      options.imu.empty()
-          ? (recording.samples.size() < 2 ? std::vector<InertialReading>() : simulate_inertial(recording.samples))
-          : io::read_inertial(options.imu);
-  check_overlap(inertial, recording.samples, options);
-  const std::string readings =
-      options.imu.empty()
-          ? "simulated along the recording below 10 Hz: 500 Hz, noise 0.005 rad/s and 0.01 m/s2 a reading"
-          : options.imu.string();
-  std::printf("inertial readings: %s\n", readings.c_str());
-  const std::vector<TimedPose> poses = options.pose_hz > 0.0 && recording.samples.size() > 1
-                                           ? thinned(recording.samples, options.pose_hz)
-                                           : recording.samples;
+  std::optional<OutputFolder> folder;
+  if (!options.out.empty()) folder.emplace(options.out, predict_output());
+  const Recording recording = recording_of(options);
   std::vector<ResultJson> blocks;
   for (const double interval_ms : options.intervals_ms) {
-    EvaluationSettings settings;
-    settings.interval = from_milliseconds(interval_ms);
-    settings.filter.noise = options.noise;
-    settings.inertial = inertial;
-    const PredictorEvaluation evaluation = evaluate_predictors(poses, recording.samples, settings);
-    if (evaluation.rows.empty() || evaluation.rows.front().errors.empty()) {
+    auto block = evaluated(recording, interval_ms, options);
+    if (!block) {
       throw io::InputError({.file = options.trajectory.string(),
                             .problem = "too short, or too full of gaps, to predict over " +
                                        std::to_string(std::lround(interval_ms)) + " ms",
                             .expected = "a recording that lasts longer than the interval"});
     }
-    blocks.push_back(block_json(interval_ms, evaluation, settings.filter.noise, readings));
+    blocks.push_back(std::move(*block));
     print_block(blocks.back());
   }
   print_sensors(blocks.back()["inertial"]);
   std::printf("screen px: a point 1 m ahead, in a picture of 1280 pixels over 60 degrees\n");
   std::printf("kalman: takes the poses for noisy by %.3g mm and %.3g deg (--noise-mm, --noise-deg)\n",
               1e3 * options.noise.position_m, radians(options.noise.orientation_rad).degrees());
-  if (json_file.empty()) return done;
   // One interval: the contract's object. Several: the first one's, with all of them under "intervals".
   ResultJson json = blocks.front();
   if (blocks.size() > 1) json["intervals"] = blocks;
-  io::write_whole_file(json_file, io::json_text(json));
+  if (folder) {
+    const std::vector<ResultJson> sweep = swept(recording, options);
+    const PredictPageFacts facts{options.trajectory.filename().string(), recording.readings, options.command};
+    io::write_whole_file(folder->path() / "report.html", report_page(predict_page(facts, blocks.front(), sweep)));
+    json["against_interval"] = sweep_json(sweep);
+    io::write_whole_file(folder->path() / "predict.json", io::json_text(json));
+    folder->commit();
+    std::printf("report: %s\n", (folder->target() / "report.html").string().c_str());
+  }
+  if (!json_file.empty()) io::write_whole_file(json_file, io::json_text(json));
   return done;
 }
 

@@ -337,12 +337,50 @@ class Predict(Case):
         (self.dir / "i.csv").write_text("t,gx,gy,gz,ax,ay,az\n0,0,0,0,0,0,oops\n")
         self.refused(["predict", "m.tum", "--imu", "i.csv"], "i.csv:2", "oops")
         # A sensor that says nothing after the first moment is not believed, and that is said.
-        (self.dir / "i.csv").write_text("t_s,gyr_x_rad_s,gyr_y,gyr_z,acc_x_m_s2,acc_y,acc_z\n0,0,0,0,0,9.8,0\n")
+        (self.dir / "i.csv").write_text("t_s,gyr_x_rad_s,gyr_y,gyr_z,acc_x_m_s2,acc_y,acc_z\n100,0,0,0,0,9.8,0\n")
         answer = swimlab("predict", "m.tum", "--imu", "i.csv", "--json", "p.json", cwd=self.dir)
         self.assertEqual(answer.returncode, 0, answer.stderr)
         self.assertIn("from the poses alone", answer.stdout)
         rows = {row["predictor"]: row for row in strict_json((self.dir / "p.json").read_text())["rows"]}
         self.assertLess(rows["kalman_inertial"]["angle_deg"]["mean"], 1.1 * rows["kalman"]["angle_deg"]["mean"])
+
+    def test_a_page(self):
+        write_motion(self.dir / "m.tum")
+        rows = ["t_s,gyr_x_rad_s,gyr_y,gyr_z,acc_x_m_s2,acc_y,acc_z", "99.5,0,0,0,0,9.8,0", "99.9,0,oops,0,0,9.8,0", "100,0,0,0,0,9.8,0"]
+        (self.dir / "i.csv").write_text("\n".join(rows) + "\n")
+        imu = ["--imu", "i.csv", "--interval-ms", "40", "--pose-hz", "50"]
+        self.refused(["predict", "m.tum", *imu, "--out", "r"], "i.csv:3", "oops")
+        said = self.done("predict", "m.tum", *imu, "--lenient", "--out", "r", "--json", "p.json")
+        # Of 120 poses a second each second one.
+        self.assertIn("60 a second (asked for 50)", said)
+        self.assertIn("1 bad rows dropped", said)
+        self.assertEqual(sorted(file.name for file in (self.dir / "r").iterdir()), ["predict.json", "report.html"])
+        result = strict_json((self.dir / "r/predict.json").read_text())
+        self.assertEqual(strict_json((self.dir / "p.json").read_text()), result)
+        self.assertAlmostEqual(result["poses_hz"], 60.0, delta=0.01)
+        sweep = {block["interval_ms"]: block for block in result["against_interval"]}
+        self.assertEqual([min(sweep), max(sweep)], [10, 200])
+        for key in ["angle_deg", "position_mm", "jitter_arcmin"]:  # one interval, asked for and swept
+            self.assertEqual([row[key] for row in sweep[40]["rows"]], [row[key] for row in result["rows"]])
+        # The error is the motion's: its greatest power is at its 1 Hz, and nothing of it is jitter.
+        none = dict(zip(result["spectrum_hz"], result["rows"][0]["spectrum_arcmin2_per_hz"], strict=True))
+        self.assertAlmostEqual(max(none, key=none.get), 1.0, delta=0.5)
+        self.assertLess(max(power for hz, power in none.items() if hz > 3), 0.01 * max(none.values()))
+        page = outside.page_of(self.dir / "r/report.html")
+        charts = {chart["id"]: chart for chart in page["charts"]}
+        self.assertEqual(list(charts), ["angle", "position", "jitter", "spectrum"])
+        for chart in charts.values():
+            for axis in ["x", "y"]:
+                self.assertTrue(chart[axis]["label"] and chart[axis]["unit"])
+            for row in chart["rows"]:
+                self.assertEqual(len(row), len(chart["series"]) + 1)
+        self.assertEqual([row[0] for row in charts["angle"]["rows"]], list(sweep))
+        self.assertEqual(page["pictures"], [])
+        self.assertIn("predict m.tum --imu i.csv", page["command"])
+        # A folder of ours is replaced, another's is not.
+        self.done("predict", "m.tum", "--out", "r")
+        (self.dir / "r/thesis.txt").write_text("years of work")
+        self.refused(["predict", "m.tum", "--out", "r"], "--out", "thesis.txt")
 
     def test_real_inertial_recording(self):
         recording = pathlib.Path(RECORDINGS) / "imu/broad_07_fast_rotation.csv"

@@ -3,6 +3,7 @@
 import json
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -20,6 +21,12 @@ def strict_json(text):
     def refuse(name):
         raise ValueError("not finite: " + name)
     return json.loads(text, parse_constant=refuse)
+
+
+def page_of(file):
+    """What report.html tells: its data's page."""
+    found = re.search(r'<script type="application/json" id="report-data">(.*?)</script>', file.read_text(), re.S)
+    return strict_json(found.group(1))["page"]
 
 
 class Case(unittest.TestCase):

@@ -1,19 +1,12 @@
 """Tests `swimlab track` from outside: exit codes and messages, the JSON contract, and that methods rank as they should."""
 
 import pathlib
-import re
 import sys
 
 import outside
-from outside import Case, strict_json, swimlab
+from outside import Case, page_of, strict_json, swimlab
 
 RECORDINGS = sys.argv[2] if len(sys.argv) > 2 else ""
-
-
-def page_of(file):
-    """What report.html tells: its data's page."""
-    found = re.search(r'<script type="application/json" id="report-data">(.*?)</script>', file.read_text(), re.S)
-    return strict_json(found.group(1))["page"]
 
 
 class BadUse(Case):

@@ -6,6 +6,7 @@
 #include <holdfast/io/input_error.hpp>
 #include <holdfast/rendering/gl_error.hpp>
 
+#include "calibrate_command.hpp"
 #include "exit_code.hpp"
 #include "interruption.hpp"
 #include "lens_command.hpp"
@@ -44,6 +45,7 @@ int main(int argc, char** argv) {
   swimlab::add_latency_command(app, exit_code);
   swimlab::add_lens_command(app, exit_code);
   swimlab::add_track_command(app, exit_code);
+  swimlab::add_calibrate_command(app, exit_code);
   try {
     app.parse(argc, argv);
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) return complain("standard output cannot be written");
@@ -51,7 +53,8 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     if (argc > 1 && argv[1][0] != '-' && app.get_subcommands().empty()) {
-      return complain("unknown command '" + std::string(argv[1]) + "'; expected run, predict, latency, lens or track");
+      return complain("unknown command '" + std::string(argv[1]) +
+                      "'; expected run, predict, latency, lens, track or calibrate");
     }
     complain(error.what());
     std::fprintf(stderr, "Try: swimlab %s--help\n",

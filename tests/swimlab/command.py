@@ -25,14 +25,30 @@ def quaternion(ax, ay, az):
     return ax * s, ay * s, az * s, math.cos(angle / 2)
 
 
+def conjugate(q):
+    return -q[0], -q[1], -q[2], q[3]
+
+
+def times(a, b):
+    """Of two quaternions (x, y, z, w)."""
+    ax, ay, az, aw = a
+    bx, by, bz, bw = b
+    return (aw * bx + ax * bw + ay * bz - az * by, aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw, aw * bw - ax * bx - ay * by - az * bz)
+
+
+def motion_at(m):
+    """Orientation and place of a head that moves about several axes."""
+    q = quaternion(0.15 * math.sin(2.1 * m), 0.26 * math.sin(2 * math.pi * m), 0.08 * math.sin(3.3 * m + 1))
+    return q, (0.1 * math.sin(1.7 * m), 1.6 + 0.03 * math.sin(2.9 * m), 0.08 * math.cos(1.3 * m))
+
+
 def write_motion(path, shift_s=0.0, rate_hz=120.0, seconds=12.0):
     """A smooth head motion about several axes, sampled at `rate_hz`, shown `shift_s` late."""
     lines = []
     for i in range(int(seconds * rate_hz)):
         t = i / rate_hz
-        m = t - shift_s
-        q = quaternion(0.15 * math.sin(2.1 * m), 0.26 * math.sin(2 * math.pi * m), 0.08 * math.sin(3.3 * m + 1))
-        p = (0.1 * math.sin(1.7 * m), 1.6 + 0.03 * math.sin(2.9 * m), 0.08 * math.cos(1.3 * m))
+        q, p = motion_at(t - shift_s)
         lines.append("%.9f %.12g %.12g %.12g %.12g %.12g %.12g %.12g" % (100 + t, *p, *q))
     path.write_text("\n".join(lines) + "\n")
 
@@ -416,6 +432,96 @@ class Predict(Case):
         self.assertLess(1.4 * inertial["angle_deg"]["mean"], kalman["angle_deg"]["mean"])
         self.assertLess(5.0 * inertial["position_mm"]["mean"], none["position_mm"]["mean"])
         self.assertLess(2.5 * inertial["position_mm"]["mean"], kalman["position_mm"]["mean"])
+
+
+class Calibrate(Case):
+    def write_readings(self, path, late_s, bias, rate_hz=200.0, seconds=12.0):
+        """What exact sensors along the body's axes measure on write_motion's path, but for a bias about x and a late stamp."""
+        rows = ["t_s,gx_rad_s,gy,gz,ax_m_s2,ay,az"]
+        h = 1e-3
+        for i in range(int(seconds * rate_hz)):
+            t = i / rate_hz
+            (before, p0), (now, p1), (after, p2) = (motion_at(t + d) for d in (-h, 0, h))
+            turn = times(conjugate(before), after)
+            rate = [x / h for x in turn[:3]]  # twice the vector part, over 2 h
+            force = [(a - 2 * b + c) / h ** 2 for a, b, c in zip(p0, p1, p2)]
+            force[1] += 9.80665
+            force = times(times(conjugate(now), (*force, 0)), now)[:3]
+            rows.append(",".join("%.9f" % x for x in (100 + t + late_s, rate[0] + bias, *rate[1:], *force)))
+        path.write_text("\n".join(rows) + "\n")
+
+    def command(self, *options, imu="i.csv"):
+        return ["calibrate", "inertial", "--poses", "m.tum", "--imu", imu, *options]
+
+    def setUp(self):
+        super().setUp()
+        write_motion(self.dir / "m.tum")
+
+    def test_what_was_put_in_is_found(self):
+        self.write_readings(self.dir / "i.csv", late_s=0.02, bias=0.03)
+        said = self.done(*self.command("--json", "c.json"))
+        result = strict_json((self.dir / "c.json").read_text())
+        self.assertEqual([result[key] for key in ["schema", "sensor", "poses", "imu"]],
+                         ["holdfast/calibrate/1", "inertial", "m.tum", "i.csv"])
+        self.assertEqual([row["method"] for row in result["rows"]], ["differentiating", "integrating"])
+        for row in result["rows"]:
+            self.assertIn(row["method"], said)
+            self.assertIsNone(row["problem"])
+            self.assertIsNone(row["accelerometer_problem"])
+            gyro, accelerometer = row["gyro"], row["accelerometer"]
+            # Exact poses and readings: what is left are straight lines between readings 5 ms apart.
+            self.assertAlmostEqual(gyro["time_offset_ms"], 20, delta=0.1)
+            for found, true in zip(gyro["bias_rad_s"], [0.03, 0, 0], strict=True):
+                self.assertAlmostEqual(found, true, delta=1e-3)
+            for scale in gyro["scale"]:
+                self.assertAlmostEqual(scale, 1, delta=0.01)
+            self.assertGreater(abs(gyro["orientation_xyzw"][3]), math.cos(math.radians(0.1)))  # within 0.2 deg
+            self.assertAlmostEqual(math.dist(accelerometer["gravity_m_s2"], [0, -9.80665, 0]), 0, delta=0.1)
+            for sensor in [gyro, accelerometer]:
+                self.assertEqual(len({parameter["name"] for parameter in sensor["parameters"]}), len(sensor["parameters"]))
+                for parameter in sensor["parameters"]:
+                    self.assertGreater(parameter["deviation"], 0)
+                    self.assertIn(parameter["observed"], [True, False])
+
+    def test_separate_accelerometers_and_one_method(self):
+        self.write_readings(self.dir / "i.csv", late_s=0, bias=0)
+        self.done(*self.command("--method", "integrating", "--separate", "--json", "c.json"))
+        row, = strict_json((self.dir / "c.json").read_text())["rows"]
+        self.assertEqual(row["method"], "integrating")
+        self.assertEqual(len(row["accelerometer"]["places_mm"]), 3)
+
+    def test_refusals(self):
+        self.refused(["calibrate"], "subcommand")
+        self.refused(["calibrate", "inertial", "--poses", "m.tum"], "--imu", "required")
+        header = "t_s,gx_rad_s,gy,gz,ax_m_s2,ay,az\n"
+        for text, *expected in [(header + "0,0,0,0,0,oops,0\n", "bad.csv:2", "oops"), ("t,gx,gy,gz,ax,ay\n", "bad.csv:1", "az"),
+                                (header + "0,0,0,0,0,9.8,0\n1,0,0,0,0,9.8,0\n", "bad.csv", "no sensor can be calibrated")]:
+            with self.subTest(text=text):
+                (self.dir / "bad.csv").write_text(text)
+                self.refused(self.command("--json", "c.json", imu="bad.csv"), *expected)
+        for option, value, *expected in [("--method", "guessing", "differentiating or integrating"), ("--prediction-ms", "5", "10 to 1000"),
+                                         ("--longest-offset-ms", "soon", "1 to 10000"), ("--json", "none/c.json", "no folder")]:
+            with self.subTest(option=option):
+                self.refused([*self.command(imu="bad.csv"), f"{option}={value}"], option, *expected)
+
+    def test_bad_rows_are_counted(self):
+        self.write_readings(self.dir / "i.csv", late_s=0, bias=0)
+        with open(self.dir / "i.csv", "a") as file:
+            file.write("500,0,0,oops,0,9.8,0\n")
+        self.refused(self.command(), "i.csv:2402", "oops")
+        self.assertIn("1 bad rows dropped", self.done(*self.command("--lenient", "--method", "differentiating")))
+
+    def test_real_inertial_recording(self):
+        recording = pathlib.Path(RECORDINGS) / "imu/broad_07_fast_rotation.csv"
+        if not recording.exists():
+            self.skipTest("recordings are not here")
+        self.done("calibrate", "inertial", "--poses", recording, "--imu", recording, "--json", "c.json")
+        for row in strict_json((self.dir / "c.json").read_text())["rows"]:
+            # The offset that kalman_inertial finds on line.
+            self.assertAlmostEqual(row["gyro"]["time_offset_ms"], 4.0, delta=0.5)
+            self.assertLess(row["gyro"]["time_offset_deviation_ms"], 0.1)
+            for scale in row["gyro"]["scale"]:
+                self.assertAlmostEqual(scale, 1, delta=0.02)
 
 
 class Latency(Case):

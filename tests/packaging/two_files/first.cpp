@@ -1,6 +1,6 @@
-#include "everything.hpp"
-
 #include <cstdio>
+
+#include "sizes.hpp"
 
 Sizes second_sizes();
 holdfast::Rigid second_product(const holdfast::Rigid& X_AB, const holdfast::Rigid& X_BC);

@@ -2,25 +2,10 @@
 #include <array>
 #include <cstddef>
 
-#include <holdfast/holdfast.hpp>
-#ifdef WITH_CALIBRATION
-#include <holdfast/calibration/filter_tuning.hpp>
-#endif
-#ifdef WITH_IO
-#include <holdfast/io/io.hpp>
-#endif
-#ifdef WITH_RENDERING
-#include <holdfast/rendering/rendering.hpp>
-#endif
-#ifdef WITH_SCENE
-#include <holdfast/scene/scene.hpp>
-#endif
-#ifdef WITH_GLM
-#include <holdfast/interop/glm.hpp>
-#endif
-#ifdef WITH_OPENXR
-#include <holdfast/interop/openxr.hpp>
-#endif
+#include <holdfast/geometry/vqs.hpp>
+#include <holdfast/motion/timed_pose.hpp>
+#include <holdfast/optics/eye.hpp>
+#include <holdfast/tracking/pose_estimate.hpp>
 
 using Sizes = std::array<std::size_t, 12>;
 

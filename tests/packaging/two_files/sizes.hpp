@@ -3,7 +3,7 @@
 #include <cstddef>
 
 #include <holdfast/geometry/vqs.hpp>
-#include <holdfast/motion/timed_pose.hpp>
+#include <holdfast/motion/motion.hpp>
 #include <holdfast/optics/eye.hpp>
 #include <holdfast/tracking/pose_estimate.hpp>
 

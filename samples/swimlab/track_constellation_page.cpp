@@ -29,8 +29,8 @@ ResultJson table(const std::vector<ConstellationTrack>& tracks) {
                        {{"name", "Angle RMS"}, {"unit", "deg"}},
                        {{"name", "peak"}, {"unit", "deg"}},
                        {{"name", "Effective latency"}, {"unit", "ms"}},
-                       {{"name", "Ranges turned away"}, {"unit", "%"}},
-                       {{"name", "Wrong ones let in"}},
+                       {{"name", "Turned away"}, {"unit", "%"}},
+                       {{"name", "Wrong let in"}},
                        {{"name", "Named"}, {"text", true}}}},
                      {"rows", ResultJson::array()}};
   for (const ConstellationTrack& track : tracks) {
@@ -74,7 +74,7 @@ ResultJson error_chart(const std::vector<ConstellationTrack>& tracks) {
 ResultJson figures_picture(const std::vector<ConstellationFigure>& figures) {
   constexpr double line = 30.0;
   std::string svg = text_of(
-      "<svg xmlns='http://www.w3.org/2000/svg' width='760' height='%.0f' font-family='sans-serif' font-size='14'>"
+      "<svg xmlns='http://www.w3.org/2000/svg' width='800' height='%.0f' font-family='sans-serif' font-size='14'>"
       "<rect width='100%%' height='100%%' fill='white'/>",
       line * static_cast<double>(figures.size() + 2));
   double y = line;

@@ -87,10 +87,10 @@ TEST_CASE("CSV has one header, one line a row, equal counts of cells, and quotes
   REQUIRE(lines.size() == 3);
   const auto starts_with = [](const std::string& line, std::string_view start) { return line.rfind(start, 0) == 0; };
   CHECK(starts_with(lines[0],
-                    "motion,pipeline,eye,lens,latency_ms,display,deflection,per_scanline,ablation,late_ms,frames,"
-                    "registration.rms_px,"));
-  CHECK(starts_with(lines[1],
-                    "\"a, \"\"quoted\"\" file.tum\",P1,right,uncorrected,37.5,rolling,none,false,false,,12,1.0,2.0,"));
+                    "motion,pipeline,eye,lens,latency_ms,display,deflection,per_scanline,interval_error_ms,"
+                    "ablation,late_ms,frames,registration.rms_px,"));
+  CHECK(starts_with(
+      lines[1], "\"a, \"\"quoted\"\" file.tum\",P1,right,uncorrected,37.5,rolling,none,false,0.0,false,,12,1.0,2.0,"));
   const auto commas = [](const std::string& line) { return std::count(line.begin(), line.end(), ','); };
   CHECK(commas(lines[0]) == commas(lines[2]));
   CHECK(commas(lines[0]) + 1 == commas(lines[1]));  // the motion's own comma

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Fails when a public header does not compile alone, that is, when it uses what it does not include. Needs clang.
+"""Fails when a public header does not compile alone, that is, when it uses what it does not include, or when it defines what a
+second file that includes it would define again: something neither inline nor a template. Needs clang, and nm of binutils.
 
 Most of the time goes into reading Eigen, so the headers of Eigen that a header includes, directly or not, are precompiled
 once for all that include the same ones. A header sees what it would see alone, and no more.
@@ -61,12 +62,23 @@ def precompiled(clang, eigen, flags, scratch):
     return output
 
 
+def strong_symbols(compiled):
+    """What a header defines for the linker; what is inline, a template or a constant has weak or local symbols."""
+    lines = subprocess.run(["nm", "--defined-only", "--extern-only", "--demangle", compiled],
+                           capture_output=True, text=True, check=True).stdout.splitlines()
+    return [name for _, kind, name in (line.split(maxsplit=2) for line in lines) if kind not in "WVu"]
+
+
 def problem(clang, name, flags, below, scratch):
     source = scratch / (name.replace("/", "-") + ".cxx")
     source.write_text(f"#include <{name}>\n", encoding="utf-8")
+    compiled = source.with_suffix(".o")
     before = ["-include-pch", below] if below else []
-    result = run(clang, [*flags, *before, "-fsyntax-only", "-x", "c++", source])
-    return f"{name} does not compile alone:\n{result.stderr}" if result.returncode else None
+    result = run(clang, [*flags, *before, "-c", "-o", compiled, "-x", "c++", source])
+    if result.returncode:
+        return f"{name} does not compile alone:\n{result.stderr}"
+    strong = strong_symbols(compiled)
+    return f"{name} defines, not inline: {', '.join(strong)}" if strong else None
 
 
 def check(clang, build, scratch):
@@ -85,5 +97,5 @@ def check(clang, build, scratch):
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as folder:
         count, problems = check(sys.argv[1], pathlib.Path(sys.argv[2]).resolve(), pathlib.Path(folder))
-    print("\n".join(problems) or f"{count} headers compile alone")
+    print("\n".join(problems) or f"{count} headers compile alone, and define nothing twice")
     sys.exit(1 if problems or not count else 0)

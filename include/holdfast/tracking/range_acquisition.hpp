@@ -447,6 +447,9 @@ class RangePoseSearch {
 
 }  // namespace detail
 
+/// The body's pose in the beacons' world W from `ranges` to `constellation`, heard by `receivers` of the body B, all of one moment.
+/// `directions`: what inertial sensors and a compass know, for fewer than three receivers. Metres, radians.
+/// Bad input: the answer's status names it, and its pose then means nothing.
 [[nodiscard]] inline RangeAcquisition acquire_by_ranges(std::span<const CodedBeacon> constellation,
                                                         std::span<const RangeReceiver> receivers,
                                                         std::span<const CodedRange> ranges,

@@ -29,6 +29,8 @@ struct SeenDirection {
   double sigma_rad = 0.01;
 };
 
+/// The pose X_WB nearest to `start` that explains ranges (m) and directions (unit vectors, rad) best, by least squares.
+/// Bad input: fewer than six numbers are `too_few`; other failures are named as in space_resection.hpp.
 [[nodiscard]] inline Resection resect_ranges(std::span<const ReceiverRange> ranges,
                                              std::span<const SeenDirection> directions, const Rigid& start,
                                              const ResectionSettings& settings = {}) {

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -31,10 +32,12 @@ struct AcquisitionTrials {
 
 struct AcquisitionRow {
   int trials = 0, acquired = 0, ambiguous = 0;
-  int false_poses = 0;       ///< acquired, but more than 5 cm or 5 degrees off
+  int false_poses = 0;       ///< of those acquired: more than 5 cm or 5 degrees off
   double position_mm = 0.0;  ///< mean error of those that are not false
   double angle_deg = 0.0;
-  double tuples = 0.0;  ///< mean number of 4-tuples of codes that were tried
+  double ranges = 0.0;        ///< mean number that is heard
+  double tuples = 0.0;        ///< mean number of 4-tuples of codes that were tried
+  double milliseconds = 0.0;  ///< mean time of one thread on the machine at hand
 };
 
 namespace detail {
@@ -68,6 +71,7 @@ namespace detail {
 }  // namespace detail
 
 [[nodiscard]] inline AcquisitionRow acquire_at_random(const AcquisitionTrials& trials) {
+  using Clock = std::chrono::steady_clock;
   HOLDFAST_ASSERT(trials.trials > 0 && trials.codes > 0, "nothing to acquire");
   AcquisitionRow row;
   ConstellationRig rig{infinite_constellation(), trials.receivers};
@@ -86,9 +90,13 @@ namespace detail {
         Vector3::UnitY(), X_WB.q().conjugate() * (so3::exp<double>(Vector3(off[0], 0.0, off[1])) * Vector3::UnitY()),
         degrees(0.5).radians()};
     const std::vector<CodedRange> heard = detail::first_arrivals(rig, devices, X_WB, trials, trial);
+    const Clock::time_point begin = Clock::now();
     const RangeAcquisition found =
         acquire_by_ranges(rig.beacons, rig.receivers, heard, std::span(&vertical, 1), trials.settings);
+    const std::chrono::duration<double, std::milli> spent = Clock::now() - begin;
     ++row.trials;
+    row.milliseconds += spent.count() / trials.trials;
+    row.ranges += static_cast<double>(heard.size()) / trials.trials;
     row.tuples += static_cast<double>(found.tuples_tried) / trials.trials;
     row.ambiguous += found.status == RangeAcquisitionStatus::ambiguous;
     if (!found.ok()) continue;

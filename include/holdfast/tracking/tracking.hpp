@@ -25,6 +25,7 @@
 #include <holdfast/tracking/dipole_field.hpp>
 #include <holdfast/tracking/fading_polynomial.hpp>
 #include <holdfast/tracking/head_dynamics.hpp>
+#include <holdfast/tracking/heard_codes.hpp>
 #include <holdfast/tracking/inertial_axes.hpp>
 #include <holdfast/tracking/inertial_filter.hpp>
 #include <holdfast/tracking/inertial_health.hpp>
@@ -58,10 +59,13 @@
 #include <holdfast/tracking/process_model.hpp>
 #include <holdfast/tracking/range.hpp>
 #include <holdfast/tracking/range_acquisition.hpp>
+#include <holdfast/tracking/range_acquisition_types.hpp>
 #include <holdfast/tracking/range_aided_ins.hpp>
 #include <holdfast/tracking/range_aided_settings.hpp>
 #include <holdfast/tracking/range_dilution.hpp>
+#include <holdfast/tracking/range_hypotheses.hpp>
 #include <holdfast/tracking/range_resection.hpp>
+#include <holdfast/tracking/range_verdict.hpp>
 #include <holdfast/tracking/residual_monitor.hpp>
 #include <holdfast/tracking/scaat_filter.hpp>
 #include <holdfast/tracking/sighting_noise.hpp>

@@ -3,7 +3,7 @@
 ///   scaat            one sighting at a time (002 4.3), beacons taken as designed
 ///   scaat_autocal    the same, and the beacons are learnt (4.4)
 ///   scaat_autocal_2  a second run that begins with the beacons of the first: 002's dagger
-///   joint            SCAAT that keeps what the newest 12 beacons have to do with the pose (tracking/joint_filter.hpp)
+///   joint            SCAAT that keeps what the newest 36 beacons have to do with the pose (tracking/joint_filter.hpp)
 ///   joint_2          a second run of it
 ///   joint_models     the same with two process models at once, joint's and one of rest; told neither
 ///   mcaat3, mcaat10  3 and 10 sightings in one update (E.3.1)

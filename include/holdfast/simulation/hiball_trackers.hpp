@@ -217,9 +217,12 @@ class SearchingTracker : public HiBallTracker {
 };
 
 using ScaatTracker = SearchingTracker<ScaatFilter<2>>;
-using JointTracker = SearchingTracker<JointFilter<2, 3>>;
+/// A HiBall's six views have some 20 to 80 LEDs in sight. With 12 places the filter is too sure on hand-held motions, with 36
+/// it is not (docs/tracking.md); cost goes with the square.
+inline constexpr int joint_beacons = 36;
+using JointTracker = SearchingTracker<JointFilter<2, 3, joint_beacons>>;
 /// Two process models at once.
-using JointModelsTracker = SearchingTracker<JointFilter<2, 3, 12, 2>>;
+using JointModelsTracker = SearchingTracker<JointFilter<2, 3, joint_beacons, 2>>;
 
 /// N sightings in one update, after every Nth.
 class McaatTracker : public HiBallTracker {

@@ -8,7 +8,9 @@
 /// `Devices` devices together (joint_state.hpp); the device that was seen longest ago leaves for the next one, and only then
 /// its correlation is dropped. So the pose no longer takes for news what it taught a device itself: errors are two thirds to
 /// a half of ScaatFilter's, a body at rest does not drift, and the covariance means what it says (docs/tracking.md). The
-/// price is six to seven times the instructions (scripts/count-instructions).
+/// price is six to seven times the instructions (scripts/count-instructions), and goes with the square of `Devices`. Give it
+/// as many places as devices are in view at a time: seen in turn, one of more would always have left before it is seen
+/// again, with all that was known of it.
 /// Several process models at once, as in multiple_models.hpp, when `Count` is more than 1: each has its own view of devices
 /// too. (There the shared device filters would let a still model's certainty and a moving one's doubt spoil each other.)
 /// Devices: those of a table whose numbers have this Size, and that are not locked, take a slot. All others count as in

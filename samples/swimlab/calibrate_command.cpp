@@ -12,7 +12,7 @@
 #include <holdfast/calibration/inertial_calibration.hpp>
 #include <holdfast/io/inertial_files.hpp>
 #include <holdfast/io/input_error.hpp>
-#include <holdfast/io/results.hpp>
+#include <holdfast/io/result_json.hpp>
 #include <holdfast/io/trajectory.hpp>
 
 #include "exit_code.hpp"

@@ -12,7 +12,7 @@
 
 #include <holdfast/io/hmd.hpp>
 #include <holdfast/io/mesh_writer.hpp>
-#include <holdfast/io/results.hpp>
+#include <holdfast/io/result_json.hpp>
 #include <holdfast/optics/mesh_overfill.hpp>
 
 #include "exit_code.hpp"
@@ -63,7 +63,7 @@ constexpr std::array file_names{"drawn.svg", "seen.svg", "mesh.svg", "mesh.json"
 OutputKind lens_output() {
   OutputKind kind{.command = "swimlab lens", .summary = "lens.json", .schema = "\"holdfast/lens/1\"", .files = {}};
   for (const EyeSide side : {EyeSide::left, EyeSide::right}) {
-    for (const char* name : file_names) kind.files.push_back(std::string(io::name_of(side)) + "_" + name);
+    for (const char* name : file_names) kind.files.push_back(std::string(name_of(side)) + "_" + name);
   }
   return kind;
 }
@@ -105,7 +105,7 @@ PredistortionMesh mesh_of(const EyeModel& eye, const LensOptions& options) {
   }
   if (!mesh.ok()) {
     throw io::InputError({.file = options.hmd.string(),
-                          .problem = "no mesh for the " + std::string(io::name_of(eye.side)) +
+                          .problem = "no mesh for the " + std::string(name_of(eye.side)) +
                                      " eye: " + std::string(describe(mesh.problem)),
                           .expected = "a headset whose lenses show some of its panels"});
   }
@@ -142,7 +142,7 @@ ResultJson samples_json(const std::optional<SampleFacts>& samples) {
 
 ResultJson row_json(const EyeModel& eye, const LensFacts& facts, const PredistortionMesh& mesh) {
   ResultJson json;
-  json["eye"] = io::name_of(eye.side);
+  json["eye"] = name_of(eye.side);
   json["color"] = facts.color;
   json["model"] = facts.model;
   json["valid_radius_px"] = io::number_or_null(facts.valid_radius_px);
@@ -173,7 +173,7 @@ Overfilled overfill_of(const EyeModel& eye, const PredistortionMesh& mesh, const
 ResultJson eye_json(const LensReport& report, const LensOptions& options) {
   const auto& [eye, mesh, lenses, files, left_out] = report;
   ResultJson json;
-  json["eye"] = io::name_of(eye.side);
+  json["eye"] = name_of(eye.side);
   json["resolution_px"] = {eye.resolution.width, eye.resolution.height};
   json["mesh_error_px"] = mesh.max_error_px;
   json["mesh_bound_px"] = options.grid > 0 ? ResultJson(nullptr) : ResultJson(options.max_error_px);
@@ -235,7 +235,7 @@ void print_mesh(const LensReport& report, const LensOptions& options) {
 
 void print_eye(const LensReport& report, const LensOptions& options) {
   const EyeModel& eye = report.eye;
-  std::printf("\n%s eye, %d x %d px\n", std::string(io::name_of(eye.side)).c_str(), eye.resolution.width,
+  std::printf("\n%s eye, %d x %d px\n", std::string(name_of(eye.side)).c_str(), eye.resolution.width,
               eye.resolution.height);
   std::printf("  %-6s %-16s %15s %15s %15s\n", "color", "model", "valid radius px", "residual rms px",
               "residual max px");
@@ -278,7 +278,7 @@ void print_wrapped(const std::string& text) {
 
 void write_files(const std::string& hmd, LensReport& report, const LensOptions& options,
                  const std::filesystem::path& folder, const InterruptionWatch& interruption) {
-  const std::string side(io::name_of(report.eye.side));
+  const std::string side(name_of(report.eye.side));
   const LensSubject subject{hmd, report.eye, report.mesh};
   const auto write = [&](std::size_t i, const std::string& text) {
     report.files.push_back(side + "_" + file_names[i]);

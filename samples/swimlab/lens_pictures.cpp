@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include <holdfast/io/results.hpp>
 #include <holdfast/optics/mesh_overfill.hpp>
+#include <holdfast/registration/metrics.hpp>
 
 #include "lens_canvas.hpp"
 #include "mesh_lines.hpp"
@@ -153,7 +153,7 @@ void add_uncorrected_grid(LensCanvas& canvas, const EyeModel& eye, const FieldTa
 }
 
 std::string title_of(const LensSubject& s, const char* what) {
-  return s.hmd + ", " + std::string(io::name_of(s.eye.side)) + " eye: " + what;
+  return s.hmd + ", " + std::string(name_of(s.eye.side)) + " eye: " + what;
 }
 
 Ticks pixel_ticks(int count) {

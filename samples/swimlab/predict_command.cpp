@@ -6,7 +6,7 @@
 
 #include <holdfast/io/inertial_files.hpp>
 #include <holdfast/io/input_error.hpp>
-#include <holdfast/io/results.hpp>
+#include <holdfast/io/result_json.hpp>
 #include <holdfast/io/trajectory.hpp>
 #include <holdfast/optics/hmd.hpp>
 #include <holdfast/prediction/evaluation.hpp>

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <holdfast/io/results.hpp>
+#include <holdfast/io/result_json.hpp>
 
 namespace swimlab {
 

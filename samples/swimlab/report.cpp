@@ -73,9 +73,9 @@ Image with_arrows(const Shot& shot) {
 }  // namespace
 
 std::string file_stem(const ExperimentRow& row) {
-  std::string stem = row.motion + '_' + variant_name(row) + '_' + std::string(io::name_of(row.eye)) + '_' +
-                     std::string(io::name_of(row.lens)) + '_' + with_unit("%g", row.latency_ms) + "ms_" +
-                     std::string(io::name_of(row.display));
+  std::string stem = row.motion + '_' + variant_name(row) + '_' + std::string(name_of(row.eye)) + '_' +
+                     std::string(name_of(row.lens)) + '_' + with_unit("%g", row.latency_ms) + "ms_" +
+                     std::string(name_of(row.display));
   for (char& c : stem) {
     const bool plain =
         (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '_';

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include <holdfast/io/results.hpp>
+#include <holdfast/io/result_json.hpp>
 
 namespace swimlab {
 

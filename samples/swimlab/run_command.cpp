@@ -177,8 +177,8 @@ void print_rows(const std::vector<RowResult>& results) {
       return r.registration ? std::optional((*r.registration).*m) : std::nullopt;
     };
     const auto swim = [&](double SwimSummary::*m) { return r.swim ? std::optional((*r.swim).*m) : std::nullopt; };
-    table.push_back({r.motion, variant_name(r), std::string(io::name_of(r.eye)), std::string(io::name_of(r.lens)),
-                     std::string(io::name_of(r.display)), cell("%g", r.latency_ms),
+    table.push_back({r.motion, variant_name(r), std::string(name_of(r.eye)), std::string(name_of(r.lens)),
+                     std::string(name_of(r.display)), cell("%g", r.latency_ms),
                      cell("%.2f", reg(&RegistrationSummary::rms_px)), cell("%.2f", reg(&RegistrationSummary::peak_px)),
                      cell("%.1f", reg(&RegistrationSummary::peak_arcmin)), cell("%.2f", swim(&SwimSummary::rms_deg_s)),
                      cell("%.2f", swim(&SwimSummary::peak_deg_s)), cell("%.2f", r.effective_latency_ms),
@@ -259,7 +259,7 @@ const ChosenMotion& headline_motion(const std::vector<Task>& tasks, const std::v
 /// What the page shows of a motion, in words.
 std::string shown_words(const ExperimentSettings& s) {
   const DisplayTiming& timing = s.hmd.timing;
-  std::string words = "Shown is the " + std::string(io::name_of(s.eye)) + " eye, at " +
+  std::string words = "Shown is the " + std::string(name_of(s.eye)) + " eye, at " +
                       cell("%g", to_milliseconds(s.latency)) + " ms of latency, on a display that lights ";
   words += is_rolling(s) ? "line after line over " + cell("%g", to_milliseconds(timing.scan_duration)) + " ms"
                          : std::string("all lines at once");
@@ -318,9 +318,9 @@ ResultJson report_data(const ResultJson& summary, const std::vector<Task>& tasks
     data["headline"] = {{"motion", motion.id},
                         {"motion_title", motion.title},
                         {"latency_ms", to_milliseconds(shown.settings.latency)},
-                        {"lens", io::name_of(shown.settings.lens)},
-                        {"eye", io::name_of(shown.settings.eye)},
-                        {"display", io::name_of(shown.settings.hmd.timing.scan_out)},
+                        {"lens", name_of(shown.settings.lens)},
+                        {"eye", name_of(shown.settings.eye)},
+                        {"display", name_of(shown.settings.hmd.timing.scan_out)},
                         {"shown", shown_words(shown.settings)},
                         {"peak_head_deg_s", rounded(peak_head_speed_deg_s(*motion.motion))}};
     data["sweeps"] = frequency_charts(variants);

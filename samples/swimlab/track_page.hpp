@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include <holdfast/io/results.hpp>
+#include <holdfast/io/result_json.hpp>
 
 #include "track_scenarios.hpp"
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include <holdfast/calibration/filter_tuning.hpp>
-#include <holdfast/io/results.hpp>
+#include <holdfast/io/result_json.hpp>
 #include <holdfast/registration/track_tuning.hpp>
 #include <holdfast/simulation/ceiling_motion.hpp>
 #include <holdfast/simulation/sighting_stream.hpp>

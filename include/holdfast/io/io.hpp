@@ -11,6 +11,7 @@
 #include <holdfast/io/osvr.hpp>
 #include <holdfast/io/png.hpp>
 #include <holdfast/io/range_files.hpp>
+#include <holdfast/io/result_json.hpp>
 #include <holdfast/io/results.hpp>
 #include <holdfast/io/track_results.hpp>
 #include <holdfast/io/trajectory.hpp>

@@ -21,7 +21,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <holdfast/io/results.hpp>
+#include <holdfast/io/result_json.hpp>
 #include <holdfast/optics/predistortion_mesh.hpp>
 
 namespace holdfast::io {

@@ -4,44 +4,20 @@
 /// CSV an empty cell). Keys beyond the contract, told in docs/swimlab.md: of a row `deflection`, `per_scanline`,
 /// `ablation`, `late_ms`, `coverage_missing_peak_pct`, `disocclusion_peak_pct`, `pose`, `scan_skew_arcmin`,
 /// `overshoot_pct`, `effective_latency_uncertainty_ms`, `registration.p50_px`, `.p99_px`, `swim.rms_px_s`,
-/// `.peak_px_s`. Files are written by whole_file.hpp: whole or not at all.
+/// `.peak_px_s`.
 #pragma once
 
-#include <cmath>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
-#include <holdfast/io/whole_file.hpp>
+#include <holdfast/io/result_json.hpp>
 #include <holdfast/registration/experiment_types.hpp>
 #include <holdfast/registration/latency_types.hpp>
 
 namespace holdfast::io {
-
-/// Keeps keys in the order in which they were written.
-using ResultJson = nlohmann::ordered_json;
-
-[[nodiscard]] inline ResultJson number_or_null(double value) {
-  return std::isfinite(value) ? ResultJson(value) : ResultJson(nullptr);
-}
-[[nodiscard]] inline ResultJson number_or_null(const std::optional<double>& value) {
-  return value ? number_or_null(*value) : ResultJson(nullptr);
-}
-
-[[nodiscard]] constexpr std::string_view name_of(EyeSide side) {
-  return side == EyeSide::left ? "left" : "right";
-}
-[[nodiscard]] constexpr std::string_view name_of(LensMode mode) {
-  constexpr std::string_view names[] = {"none", "exact", "cubic", "uncorrected"};
-  return names[static_cast<std::size_t>(mode)];
-}
-[[nodiscard]] constexpr std::string_view name_of(ScanOut scan_out) {
-  return scan_out == ScanOut::global ? "global" : "rolling";
-}
 
 namespace detail {
 
@@ -110,12 +86,12 @@ inline void flatten(const ResultJson& json, const std::string& prefix,
   using S = SwimSummary;
   ResultJson json;
   json["motion"] = row.motion;
-  json["pipeline"] = holdfast::name_of(row.pipeline);
+  json["pipeline"] = name_of(row.pipeline);
   json["eye"] = name_of(row.eye);
   json["lens"] = name_of(row.lens);
   json["latency_ms"] = number_or_null(row.latency_ms);
   json["display"] = name_of(row.display);
-  json["deflection"] = holdfast::name_of(row.deflection);
+  json["deflection"] = name_of(row.deflection);
   json["per_scanline"] = row.per_scanline;
   json["interval_error_ms"] = number_or_null(row.interval_error_ms);
   json["ablation"] = is_ablation(row);
@@ -151,7 +127,7 @@ inline void flatten(const ResultJson& json, const std::string& prefix,
                   {"peak_position_mm", number_or_null(row.pose.peak_position_mm)},
                   {"peak_swim_deg_s", number_or_null(row.pose.peak_swim_deg_s)}};
   json["expected"] = detail::expected_json(row.expected);
-  json["verdict"] = holdfast::name_of(row.verdict);
+  json["verdict"] = name_of(row.verdict);
   return json;
 }
 
@@ -204,12 +180,6 @@ inline void flatten(const ResultJson& json, const std::string& prefix,
   json["pairs"] = result.pairs;
   json["overlap_s"] = value(result.overlap_s);
   return json;
-}
-
-/// The text of a result file.
-[[nodiscard]] inline std::string json_text(const ResultJson& json) {
-  // Names of files may hold any bytes: what is not UTF-8 is replaced, not thrown.
-  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
 }
 
 }  // namespace holdfast::io

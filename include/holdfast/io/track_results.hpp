@@ -7,7 +7,7 @@
 
 #include <string>
 
-#include <holdfast/io/results.hpp>
+#include <holdfast/io/result_json.hpp>
 #include <holdfast/registration/track_experiment.hpp>
 
 namespace holdfast::io {

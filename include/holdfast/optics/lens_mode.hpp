@@ -5,7 +5,9 @@
 /// Robinett & Holloway 1994 (course 11), 7.9. Bad input: a point outside the lens's domain is answered with nothing.
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <string_view>
 
 #include <holdfast/geometry/types.hpp>
 #include <holdfast/optics/lens.hpp>
@@ -19,6 +21,11 @@ enum class LensMode {
   cubic,        ///< the picture is predistorted with the paper's cubic r + k_pd r^3
   uncorrected,  ///< the lens is there and the application ignores it
 };
+
+[[nodiscard]] constexpr std::string_view name_of(LensMode mode) {
+  constexpr std::string_view names[] = {"none", "exact", "cubic", "uncorrected"};
+  return names[static_cast<std::size_t>(mode)];
+}
 
 /// The panel tangent at which the application draws the ideal point.
 [[nodiscard]] inline std::optional<Vector2> drawn_tangent(const Lens& lens, LensMode mode, const Vector2& ideal) {

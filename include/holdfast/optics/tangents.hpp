@@ -19,6 +19,10 @@ namespace holdfast {
 
 enum class EyeSide { left, right };
 
+[[nodiscard]] constexpr std::string_view name_of(EyeSide side) {
+  return side == EyeSide::left ? "left" : "right";
+}
+
 struct FieldTangents {
   double left = -1.0;
   double right = 1.0;

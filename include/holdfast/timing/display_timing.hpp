@@ -27,6 +27,10 @@ enum class ScanOut {
   rolling,  ///< lines light one after another
 };
 
+[[nodiscard]] constexpr std::string_view name_of(ScanOut scan_out) {
+  return scan_out == ScanOut::global ? "global" : "rolling";
+}
+
 /// The way in which a rolling display lights its lines: rows one after another, or columns (a panel built in turned).
 enum class ScanDirection { top_to_bottom, bottom_to_top, left_to_right, right_to_left };
 

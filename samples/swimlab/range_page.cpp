@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include <holdfast/registration/metrics.hpp>
+
 #include "text.hpp"
 
 namespace swimlab {

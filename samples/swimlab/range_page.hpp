@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <holdfast/io/result_json.hpp>
-#include <holdfast/registration/range_experiment.hpp>
+#include <holdfast/registration/range_types.hpp>
 
 namespace swimlab {
 

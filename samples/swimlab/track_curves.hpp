@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include <holdfast/registration/track_experiment.hpp>
+#include <holdfast/registration/track_types.hpp>
 
 namespace swimlab {
 

@@ -8,6 +8,8 @@
 #include <map>
 #include <optional>
 
+#include <holdfast/registration/metrics.hpp>
+
 #include "text.hpp"
 
 namespace swimlab {

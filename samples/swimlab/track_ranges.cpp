@@ -8,6 +8,7 @@
 
 #include <holdfast/io/range_files.hpp>
 #include <holdfast/io/range_results.hpp>
+#include <holdfast/registration/range_experiment.hpp>
 
 #include "exit_code.hpp"
 #include "interruption.hpp"

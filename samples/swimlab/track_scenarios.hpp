@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include <holdfast/registration/track_experiment.hpp>
+#include <holdfast/registration/track_types.hpp>
 
 #include "track_curves.hpp"
 

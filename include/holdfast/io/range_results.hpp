@@ -2,14 +2,15 @@
 ///
 /// Source: design.md, "The command". Units are in the key names; what is undefined is null. `updates` and `accepted` are
 /// ranges that corrected the filter. Keys beyond the contract: `horizontal_mm`, `height_mm`, `ranges`, `refused`, `nis` and
-/// `position_nees` per degree of freedom, and `biases` with the anchors' ids (range_experiment.hpp).
+/// `position_nees` per degree of freedom, and `biases` with the anchors' ids (range_types.hpp).
 #pragma once
 
 #include <span>
 #include <string>
 
 #include <holdfast/io/track_results.hpp>
-#include <holdfast/registration/range_experiment.hpp>
+#include <holdfast/registration/range_recording.hpp>
+#include <holdfast/registration/range_types.hpp>
 
 namespace holdfast::io {
 

@@ -2,13 +2,14 @@
 ///
 /// Source: design.md, "The command". Units are in the key names; what is undefined is null. Keys beyond the contract:
 /// `sightings`; `beacon_error_mm` holds `beacons`, how many were seen at all, and is of those; `beacon_error_seen_20_mm` the
-/// same of beacons seen 20 times or more; `nees` and `nis`, per degree of freedom (track_experiment.hpp).
+/// same of beacons seen 20 times or more; `nees` and `nis`, per degree of freedom (track_types.hpp).
 #pragma once
 
 #include <string>
 
 #include <holdfast/io/result_json.hpp>
-#include <holdfast/registration/track_experiment.hpp>
+#include <holdfast/registration/metrics.hpp>
+#include <holdfast/registration/track_types.hpp>
 
 namespace holdfast::io {
 

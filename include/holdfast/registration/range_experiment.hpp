@@ -12,32 +12,16 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <vector>
 
 #include <holdfast/assert.hpp>
 #include <holdfast/motion/sampled_trajectory.hpp>
 #include <holdfast/registration/range_tracker.hpp>
-#include <holdfast/registration/three_point_error.hpp>
+#include <holdfast/registration/range_types.hpp>
 #include <holdfast/tracking/consistency.hpp>
 
 namespace holdfast {
-
-struct RangeRow {
-  RangeVariant variant;
-  ThreePointError three_point;              ///< m
-  RmsAndPeak position, horizontal, height;  ///< m
-  RmsAndPeak angle;                         ///< rad
-  long ranges = 0;                          ///< given to the tracker
-  long accepted = 0;
-  long gated = 0;                                         ///< turned away by the gate, or on probation
-  long refused = 0;                                       ///< ranges and inertial samples that could not be used at all
-  double microseconds_per_range = 0.0;                    ///< in the tracker, inertial samples included
-  double nis = std::numeric_limits<double>::quiet_NaN();  ///< mean of all ranges; 1 is consistent
-  double position_nees = std::numeric_limits<double>::quiet_NaN();  ///< mean, per degree of freedom
-  std::vector<double> biases_m;  ///< at the end, by anchor; empty without bias states
-};
 
 /// After each range: the reading, what became of it, the tracker, and the truth at the tracker's time.
 struct RangeMoment {

@@ -10,30 +10,17 @@
 /// process model and the gate's settings have no problem.
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include <holdfast/registration/range_recording.hpp>
+#include <holdfast/registration/range_types.hpp>
 #include <holdfast/tracking/inertial_measurement.hpp>
 #include <holdfast/tracking/range.hpp>
 #include <holdfast/tracking/scaat_filter.hpp>
 
 namespace holdfast {
-
-struct RangeVariant {
-  bool bias_states = true;
-  bool gate = true;
-};
-inline constexpr std::array range_variants{RangeVariant{false, false}, RangeVariant{false, true},
-                                           RangeVariant{true, false}, RangeVariant{true, true}};
-
-[[nodiscard]] constexpr std::string_view name_of(const RangeVariant& variant) {
-  if (variant.bias_states) return variant.gate ? "bias_and_gate" : "bias";
-  return variant.gate ? "gate" : "neither";
-}
 
 /// What the four variants share. docs/tracking.md tells how the numbers were chosen, and what others give.
 struct RangeSettings {

@@ -8,6 +8,7 @@
 #include <holdfast/simulation/hiball_ceiling.hpp>
 #include <holdfast/simulation/hiball_rig.hpp>
 #include <holdfast/simulation/hiball_sightings.hpp>
+#include <holdfast/simulation/hiball_tracker.hpp>
 #include <holdfast/simulation/inertial_faults.hpp>
 #include <holdfast/simulation/inertial_sensor.hpp>
 #include <holdfast/simulation/keyed_numbers.hpp>

@@ -226,7 +226,7 @@ class Scenario {
       const auto first = static_cast<std::size_t>(numbers.below(static_cast<int>(all.size() - sightings)));
       const auto part = std::span(all).subspan(first, sightings);
       DeviceTable<3> beacons = beacon_table(rig(), parameters.beacons, parameters.autocalibrate);
-      ScaatSettings settings{.gate = parameters.gate};
+      ScaatSettings settings{.gate = parameters.gate, .manoeuvre = parameters.manoeuvre};
       ReacquisitionSettings again;
       if (!search) forbid_search(settings, again);
       ScaatTracker tracker =
@@ -278,7 +278,7 @@ class Scenario {
                                         TrackMethod method, const std::string& name, bool search) const {
     const TrackParameters parameters = parameters_of(method);
     DeviceTable<3> beacons = beacon_table(rig(), parameters.beacons, parameters.autocalibrate);
-    ScaatSettings settings{.gate = parameters.gate};
+    ScaatSettings settings{.gate = parameters.gate, .manoeuvre = parameters.manoeuvre};
     ReacquisitionSettings again;
     if (!search) forbid_search(settings, again);
     ScaatTracker tracker(rig(), beacons, starting_state(truth_, seen.front().t, request_.start), parameters.process,

@@ -69,6 +69,18 @@ TEST_CASE("gate: the quantile decides") {
   CHECK(InnovationGate(open).judge(1e300, 2, nullptr) == GateVerdict::accepted);
 }
 
+TEST_CASE("gate: near is what the window at its widest would take, whatever it is now") {
+  InnovationGate gate({.probability = 0.99, .widest = 16.0});
+  const double edge = 16.0 * chi_square_quantile(0.99, 2);
+  for (int i = 0; i < 2; ++i) {
+    CHECK(gate.is_near(0.999 * edge, 2));
+    CHECK_FALSE(gate.is_near(1.001 * edge, 2));
+    CHECK_FALSE(gate.is_near(std::nan(""), 2));
+    for (int k = 0; k < 100; ++k) gate.judge(1e6, 2, nullptr);  // opens it
+  }
+  CHECK(InnovationGate({.probability = 1.0}).is_near(1e300, 2));
+}
+
 TEST_CASE("gate: a rejected device has to be consistent again before it counts") {
   InnovationGate gate = proven_gate();
   std::uint8_t device = 0;

@@ -196,7 +196,9 @@ TEST_CASE("joint filter: as sure as it may be of pose and devices, where dropped
   for (unsigned run = 0; run < 60; ++run) {
     MatchedWorld world(100 + run);
     DeviceTable<3> plain_table = world.table;
-    Joint joint(world.known, world.model, no_gate());
+    ScaatSettings attentive = no_gate();
+    attentive.manoeuvre.threshold = 1.5;  // there is none
+    Joint joint(world.known, world.model, attentive);
     ScaatFilter<2> plain(world.known, world.model, no_gate());
     for (int i = 1; i <= 300; ++i) {
       const HostTime t = time_at(0.005 * i);
@@ -314,7 +316,8 @@ TEST_CASE("joint filter: finite and positive definite, whatever is measured; not
   const DeviceTable<3> fresh = scene.beacons();
   DeviceTable<3> table = fresh;
   const PvModel still = PvModel::hiball(1e-6, 1e-6, Vector3::Constant(1e-5));
-  Two filter(scene.start(), ModelSet<2, 2>{{still, HiBallScene::model()}, {1.0, 1.0}});
+  Two filter(scene.start(), ModelSet<2, 2>{{still, HiBallScene::model()}, {1.0, 1.0}},
+             {.manoeuvre = {.threshold = 1.0}});
   double t = 0.0;
   const std::size_t allocations = test::allocations();
   for (int i = 0; i < 20000; ++i) {

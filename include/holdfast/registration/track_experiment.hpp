@@ -78,6 +78,7 @@ namespace holdfast {
   if (is_scaat(method)) {
     ScaatSettings settings;
     settings.gate = parameters.gate;
+    settings.manoeuvre = parameters.manoeuvre;
     const RenamingSettings renaming{.in_a_row = parameters.renamed_in_a_row};
     if (method == TrackMethod::joint || method == TrackMethod::joint_2) {
       return std::make_unique<JointTracker>(rig, beacons, start, parameters.process, settings, ReacquisitionSettings(),

@@ -15,6 +15,7 @@
 /// seen, is 0 to 3e-5 m^2; beacons' initial variance is their own, 1e-6 m^2. Of these each method has what gave it the least
 /// three-point RMS over the head recording and handheld/table_04 together, to 4 %. The residual also stands for what a
 /// method ignores: MCAAT's sightings are not of one time, and without it SCAAT at rest drifts with its beacons.
+/// A manoeuvre's threshold is 0.6 for those that learn, whose mean is 0.2 to 0.4 otherwise, and 1.0 for `scaat`, of 0.9.
 /// Still tuning: `still_process`. The gate has no probation for beacons: wrong names fall on any of them here, and one that
 /// was named wrongly has done nothing wrong (with it, 20 % wrong names cost as many good sightings).
 #pragma once
@@ -25,6 +26,7 @@
 
 #include <holdfast/tracking/device_table.hpp>
 #include <holdfast/tracking/innovation_gate.hpp>
+#include <holdfast/tracking/manoeuvre.hpp>
 #include <holdfast/tracking/observation_window.hpp>
 #include <holdfast/tracking/process_model.hpp>
 
@@ -79,7 +81,8 @@ struct TrackParameters {
   bool autocalibrate = false;
   WindowShape window{1, false};
   GateSettings gate;
-  int renamed_in_a_row = 12;  ///< RenamingSettings (simulation/hiball_trackers.hpp)
+  ManoeuvreSettings manoeuvre{.threshold = 0.6};  ///< of SCAAT's filters
+  int renamed_in_a_row = 12;                      ///< RenamingSettings (simulation/hiball_trackers.hpp)
 };
 
 /// 002 table 6.8's lateral intensity for all directions, and its least one for turns.
@@ -107,6 +110,7 @@ struct TrackParameters {
   switch (method) {
     case TrackMethod::scaat:
       p.process = scaled(0.3);
+      p.manoeuvre.threshold = 1.0;
       residual_m2 = 1e-6;
       break;
     case TrackMethod::scaat_autocal:

@@ -76,6 +76,9 @@ class InnovationGate {
     return GateVerdict::accepted;
   }
 
+  /// Whether the window at its widest would take it. What would not even then is of something else: a wrong name.
+  [[nodiscard]] bool is_near(double nis, int size) const { return nis <= quantile(size) * settings_.widest; }
+
   [[nodiscard]] const GateSettings& settings() const { return settings_; }
   /// Times the quantile; 1 normally.
   [[nodiscard]] double window() const { return window_; }

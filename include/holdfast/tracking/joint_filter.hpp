@@ -53,7 +53,7 @@ class JointFilter : public MeasurementIntake<JointFilter<Order, Size, Devices, C
     states_[current_].fill(joint);
     combined_ = start;
     chain_ = {};
-    this->reset_gate();
+    this->forget();
   }
 
   /// Writes all devices in slots to their tables, as they are known now. They stay in their slots.
@@ -77,7 +77,7 @@ class JointFilter : public MeasurementIntake<JointFilter<Order, Size, Devices, C
     if (this->refusal(combined_.t, t, source, DeviceSlot<0>())) return std::nullopt;
     const std::size_t model = detail::heaviest(probabilities());
     Joint next;
-    if (!detail::advance_lower(joint_of(model), set_.models[model], t, next)) return std::nullopt;
+    if (!detail::advance_lower(joint_of(model), this->roused(set_.models[model]), t, next)) return std::nullopt;
     const Seat seat = seat_for(source);
     DeviceEstimate<M::source_size> estimate = source.load();
     prepare(seat, source, next, estimate);
@@ -166,7 +166,7 @@ class JointFilter : public MeasurementIntake<JointFilter<Order, Size, Devices, C
     Joints& next = states_[1 - current_];
     Weights arriving;
     const auto carry = [&](const Joint& from, const ProcessModel<Order>& model, Joint& to) {
-      return detail::advance_lower(from, model, t, to);
+      return detail::advance_lower(from, this->roused(model), t, to);
     };
     if (!chain_.mix(set_, to_seconds(t - combined_.t), states_[current_], next, arriving, carry)) {
       return UpdateStatus::not_finite;

@@ -174,7 +174,7 @@ class MultipleModelFilter : public MeasurementIntake<MultipleModelFilter<Order, 
     states_[current_].fill(start);
     chain_ = {};
     combined_ = start;
-    this->reset_gate();
+    this->forget();
   }
 
   /// All models together. nis() and whitened() are those of the model that found a measurement the likeliest.
@@ -196,7 +196,7 @@ class MultipleModelFilter : public MeasurementIntake<MultipleModelFilter<Order, 
     States& next = states_[1 - current_];
     Weights arriving;
     const auto carry = [&](const State& from, const ProcessModel<Order>& model, State& to) {
-      return detail::advance_lower(from, model, t, to);
+      return detail::advance_lower(from, this->roused(model), t, to);
     };
     if (!chain_.mix(set_, to_seconds(t - combined_.t), states_[current_], next, arriving, carry)) {
       return UpdateStatus::not_finite;

@@ -21,6 +21,7 @@
 #include <holdfast/tracking/delayed_measurements.hpp>
 #include <holdfast/tracking/deviation_table.hpp>
 #include <holdfast/tracking/device_estimate.hpp>
+#include <holdfast/tracking/device_slot.hpp>
 #include <holdfast/tracking/device_table.hpp>
 #include <holdfast/tracking/dipole_field.hpp>
 #include <holdfast/tracking/fading_polynomial.hpp>
@@ -42,8 +43,10 @@
 #include <holdfast/tracking/joint_filter.hpp>
 #include <holdfast/tracking/joint_state.hpp>
 #include <holdfast/tracking/linear_acceleration.hpp>
+#include <holdfast/tracking/manoeuvre.hpp>
 #include <holdfast/tracking/mcaat_filter.hpp>
 #include <holdfast/tracking/measurement.hpp>
+#include <holdfast/tracking/measurement_intake.hpp>
 #include <holdfast/tracking/measurement_ordering.hpp>
 #include <holdfast/tracking/multilateration.hpp>
 #include <holdfast/tracking/multiple_models.hpp>

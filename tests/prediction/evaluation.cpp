@@ -39,6 +39,25 @@ TEST_CASE("on a yaw sine the peak errors are theory's") {
   CHECK(e.rows[0].errors.front().t == samples[1].t + settings.interval);
 }
 
+TEST_CASE("between even samples the truth is a spline, between uneven ones a line; both less noisy than samples") {
+  const auto motion = make_yaw_sine(1.0, degrees(15.0), std::chrono::seconds(4));
+  const auto slow = sample(*motion, std::chrono::milliseconds(33));
+  const detail::RecordedTruth truth(slow);
+  const HostTime middle = slow[30].t + (slow[31].t - slow[30].t) / 2;
+  // A line would err by w^2 dt^2 / 8 = 0.5 % of the amplitude; the spline's error is some (w dt)^4 / 384.
+  CHECK(so3::angle_between<double>(truth.at(middle).X_WB.q(), motion->at(middle).X_WB.q()) < 1e-5);
+  CHECK(truth.at(middle).noise_share == doctest::Approx(0.75));
+  CHECK(truth.at(slow[30].t).noise_share == 1.0);
+  CHECK(truth.at(slow.front().t).noise_share == 1.0);
+  auto uneven = slow;
+  uneven.erase(uneven.begin() + 29);
+  const detail::RecordedTruth straight(uneven);
+  const Rigid line = interpolate(slow[30].X_WB, slow[31].X_WB, 0.5);
+  CHECK(so3::angle_between<double>(straight.at(middle).X_WB.q(), line.q()) < 1e-9);
+  CHECK(straight.at(middle).noise_share == doctest::Approx(0.5));
+  CHECK(straight.at(middle).noisy({2.0, 4.0}).position_m == doctest::Approx(2.0 * std::sqrt(0.5)));
+}
+
 TEST_CASE("samples across a gap or without truth are skipped and counted") {
   std::vector<TimedPose> samples;
   for (int i = 0; i < 100; ++i)

@@ -59,29 +59,40 @@ TEST_CASE("fading least squares: the weights that made the examples; the prior w
   CHECK((found - Vector3(0.7, -1.5, 5.0)).norm() < 1e-5);  // the ridge's part
 }
 
-TEST_CASE("an error's spread holds 95 % of errors, Gaussian or heavy-tailed, steady or not") {
+TEST_CASE("an error's spread holds 95 % of errors, Gaussian or heavy-tailed, steady or not, seen exactly or not") {
   std::mt19937 random(4);
   std::normal_distribution<double> normal;
-  for (const int kind : {0, 1, 2}) {
-    ErrorSpread spread(1.0, 1.0);
-    int inside = 0;
-    constexpr int count = 20000;
-    for (int i = 0; i < count; ++i) {
-      Vector3 turn(normal(random), 3.0 * normal(random), 0.5 * normal(random)), move(turn.y(), normal(random), 0.0);
-      double size = 1.0;
-      if (kind == 1) size = 1.0 / (0.2 + std::abs(normal(random)));  // tails
-      if (kind == 2) size = 1.0 + 0.9 * std::sin(0.003 * i);         // calm and quick by turns
-      turn *= size;
-      move *= size;
-      const Matrix3 of_turn = spread.turn_covariance(), of_move = spread.move_covariance();
-      const Vector3 turn_weighted = of_turn.inverse() * turn, move_weighted = of_move.inverse() * move;
-      inside += turn.dot(turn_weighted) + move.dot(move_weighted) < 12.592 ? 1 : 0;
-      spread.add(turn, move, of_turn, of_move, 0.99);
+  const auto three = [&] { return Vector3(normal(random), normal(random), normal(random)); };
+  for (const PoseNoise noise : {PoseNoise{0.0, 0.0}, PoseNoise{0.5, 2.0}, PoseNoise{10.0, 10.0}}) {
+    for (const int kind : {0, 1, 2}) {
+      ErrorSpread spread(1.0, 1.0);
+      int inside = 0;
+      constexpr int count = 20000;
+      const double turn_noise = noise.orientation_rad * noise.orientation_rad;
+      const double move_noise = noise.position_m * noise.position_m;
+      for (int i = 0; i < count; ++i) {
+        Vector3 turn(normal(random), 3.0 * normal(random), 0.5 * normal(random)), move(turn.y(), normal(random), 0.0);
+        double size = 1.0;
+        if (kind == 1) size = 1.0 / (0.2 + std::abs(normal(random)));  // tails
+        if (kind == 2) size = 1.0 + 0.9 * std::sin(0.003 * i);         // calm and quick by turns
+        turn *= size;
+        move *= size;
+        // The least: the true size, as a filter would know it that is right.
+        const Matrix3 of_turn = spread.turn_covariance(turn_noise, 3.4 * size * size);
+        const Matrix3 of_move = spread.move_covariance(move_noise, 3.3 * size * size);
+        const Vector3 turn_weighted = of_turn.inverse() * turn, move_weighted = of_move.inverse() * move;
+        inside += turn.dot(turn_weighted) + move.dot(move_weighted) < 12.592 ? 1 : 0;
+        spread.add(turn + noise.orientation_rad * three(), move + noise.position_m * three(), of_turn, of_move, noise,
+                   0.99);
+      }
+      const double percent = 100.0 * inside / count;
+      CAPTURE(kind);
+      CAPTURE(noise.position_m);
+      // Without noise every error teaches the factor. Of errors a third to a tenth of the noise a second cannot tell the
+      // size to better than the size itself, and the moment's chance is all on the cautious side.
+      CHECK(percent > (turn_noise > 0.0 ? 90.0 : 94.0));
+      CHECK(percent < (turn_noise > 0.0 ? 99.5 : 96.0));
     }
-    const double percent = 100.0 * inside / count;
-    CAPTURE(kind);
-    CHECK(percent > 94.0);
-    CHECK(percent < 96.0);
   }
 }
 
@@ -237,8 +248,7 @@ TEST_CASE("an accelerometer that said the wrong unit for a while is believed aga
   CHECK(named);
   const HostTime end = head.filter().state().t;
   CHECK(head.predict(end).accelerometer == SensorFault::none);  // 7 s to think it over
-  // Less than what would be called wrong.
-  CHECK(std::abs(head.filter().state().gravity_W.norm() - standard_gravity) < 1.0);
+  CHECK(std::abs(head.filter().state().gravity_W.norm() - standard_gravity) < 0.5);
 }
 
 TEST_CASE(
@@ -307,6 +317,26 @@ TEST_CASE("poses a thousand times a second teach the longest horizons too") {
   const double turn = 1e-3 + 5.0 * 0.01, move = 1e-3 + 0.01;
   const double untaught = 1.25 * 3.0 * (turn * turn + move * move);  // as ErrorSpread begins at 100 ms
   CHECK(head.predict(head.filter().state().t + 100ms).covariance.trace() < 0.2 * untaught);
+}
+
+TEST_CASE("readings that are rare and late teach all horizons") {
+  // 50 Hz poses, 100 Hz readings, 8 ms late: no moment lies within 8 ms of 20 ms before a pose.
+  const auto motion = make_motion("M5");
+  InertialUnit unit = mems_inertial_unit();
+  unit.interval = 10ms;
+  unit.lag = 8ms;
+  const auto readings = inertial_stream(*motion, unit);
+  InertialPredictor head;
+  std::size_t next = 0;
+  double near = 0.0, far = 0.0;
+  for (HostTime t = motion->begin(); t + 100ms < motion->end(); t += 20ms) {
+    for (; next < readings.size() && readings[next].t <= t; ++next) head.update(readings[next]);
+    head.update(TimedPose{t, motion->at(t).X_WB});
+    if (t < motion->begin() + 3s) continue;
+    near += angle_error(head, *motion, t + 20ms);
+    far += angle_error(head, *motion, t + 40ms);
+  }
+  CHECK(near < 0.5 * far);  // an error that grows with the square of the time makes it a quarter
 }
 
 TEST_CASE("while poses are missing the covariance grows as the errors do") {

@@ -10,13 +10,12 @@
 ///   gyro                      the orientation turns on at the newest reading's rate, the place moves at that velocity
 ///   gyro_acceleration         and at the difference of the two newest rates
 ///   kalman_inertial           InertialPredictor, of all samples and readings
-/// and the result is compared with the truth at t_i + interval: by default the recording itself, interpolated (linear,
-/// constant rate), or a truth of your own, such as its non-causal 10 Hz low-pass (001 appendix B).
+/// and the result is compared with the truth at t_i + interval: by default the recording itself, between its samples as
+/// in recorded_truth.hpp, or a truth of your own, such as its non-causal 10 Hz low-pass (001 appendix B).
 ///   angle error     angle of R_true^-1 R_predicted, degrees (001 section 5.3 prints 2 cos(qw) for 2 acos(|qw|))
 ///   position error  |p_predicted - p_true|, millimetres
 ///   inside_95       how many errors lie inside the ellipsoid that should hold 95 % of them, %; the filters' ellipsoids
-/// by the
-///                   noise of the truth larger
+///                   by the noise of the truth larger
 ///
 /// A sample is left out when a gap (an interval longer than five medians) lies between its velocity's start and its
 /// truth, or when the recording ends before: counted in `skipped`. All rows speak of the same samples, in the order
@@ -34,37 +33,15 @@
 #include <utility>
 #include <vector>
 
-#include <holdfast/geometry/angle.hpp>
-#include <holdfast/geometry/cholesky.hpp>
-#include <holdfast/motion/sampled_trajectory.hpp>
-#include <holdfast/prediction/error_statistics.hpp>
+#include <holdfast/prediction/error_recorder.hpp>
 #include <holdfast/prediction/inertial_predictor.hpp>
-#include <holdfast/prediction/jitter.hpp>
 #include <holdfast/prediction/predictor.hpp>
+#include <holdfast/prediction/recorded_truth.hpp>
 #include <holdfast/prediction/state_prediction.hpp>
 #include <holdfast/tracking/backward_difference.hpp>
 #include <holdfast/tracking/pose_filter.hpp>
 
 namespace holdfast {
-
-/// One prediction and its error; with both poses, so that errors on a screen can be had from them too.
-struct PredictionError {
-  HostTime t;  ///< the time predicted for
-  double angle_deg = 0.0;
-  double position_mm = 0.0;
-  Rigid X_WB_predicted, X_WB_true;
-};
-
-struct PredictorRow {
-  std::string_view predictor;  ///< its name in results
-  ErrorStatistics angle_deg, position_mm;
-  /// Orientation error between 3 and 12 Hz, root mean square (jitter.hpp). Errors count as evenly spaced by the median
-  /// interval, also across what was skipped. Nothing for less than 1 s of them.
-  std::optional<double> jitter_arcmin;
-  Spectrum angle_spectrum;              ///< of the orientation error, 0.5 to 15 Hz, rad^2/Hz
-  std::optional<double> inside_95_pct;  ///< nothing where no covariance is predicted
-  std::vector<PredictionError> errors;
-};
 
 struct EvaluationSettings {
   Duration interval = std::chrono::milliseconds(60);
@@ -103,51 +80,6 @@ struct PredictorEvaluation {
 
 namespace detail {
 
-/// Finds, for times that mostly increase, the pose of a recording; remembers where it was.
-class Walker {
- public:
-  explicit Walker(std::span<const TimedPose> samples) : samples_(samples) {}
-
-  /// Precondition: t within the samples' times. Quick where it is near the last one asked.
-  [[nodiscard]] Rigid at(HostTime t) {
-    while (next_ + 1 < samples_.size() && samples_[next_].t < t) ++next_;
-    while (next_ > 1 && samples_[next_ - 1].t > t) --next_;
-    const TimedPose& b = samples_[next_];
-    if (b.t == t || next_ == 0) return b.X_WB;
-    const TimedPose& a = samples_[next_ - 1];
-    return interpolate(a.X_WB, b.X_WB, to_seconds(t - a.t) / to_seconds(b.t - a.t));
-  }
-
- private:
-  std::span<const TimedPose> samples_;
-  std::size_t next_ = 1;
-};
-
-/// For each sample the time at which its stretch without gaps begins and ends.
-struct Stretches {
-  std::vector<HostTime> first, last;
-
-  Stretches(std::span<const TimedPose> samples, Duration longest) : first(samples.size()), last(samples.size()) {
-    const std::size_t n = samples.size();
-    for (std::size_t i = 0; i < n; ++i) {
-      first[i] = i > 0 && samples[i].t - samples[i - 1].t <= longest ? first[i - 1] : samples[i].t;
-    }
-    for (std::size_t i = n; i-- > 0;) {
-      last[i] = i + 1 < n && samples[i + 1].t - samples[i].t <= longest ? last[i + 1] : samples[i].t;
-    }
-  }
-};
-
-[[nodiscard]] inline PredictionError error_of(const PredictionResult& predicted, const Rigid& X_WB_true) {
-  PredictionError error;
-  error.t = predicted.t;
-  error.angle_deg = radians(so3::angle_between<double>(X_WB_true.q(), predicted.X_WB.q())).degrees();
-  error.position_mm = 1e3 * (predicted.X_WB.p() - X_WB_true.p()).norm();
-  error.X_WB_predicted = predicted.X_WB;
-  error.X_WB_true = X_WB_true;
-  return error;
-}
-
 /// A predicted pose without covariance.
 [[nodiscard]] inline PredictionResult bare_prediction(const Rigid& X_WB, HostTime t) {
   PredictionResult result;
@@ -175,40 +107,6 @@ struct Stretches {
                      newer.velocity->w_WB_B + 0.5 * window * rate.alpha_WB_B};
   return extrapolated(newer, at_end, rate, t);
 }
-
-/// Collects one row.
-struct RowRecorder {
-  PredictorRow row;
-  std::vector<Vector3> error_vectors;
-  std::size_t judged = 0, inside = 0;
-
-  void add(const PredictionResult& predicted, const Rigid& X_WB_true, const PoseNoise& truth = {0.0, 0.0}) {
-    row.errors.push_back(error_of(predicted, X_WB_true));
-    const Vector3 turned = so3::log<double>(predicted.X_WB.q().conjugate() * X_WB_true.q());
-    error_vectors.push_back(turned);
-    Matrix6 covariance = predicted.covariance;
-    add_isotropic(covariance, truth.position_m, truth.orientation_rad);
-    Matrix6 L;
-    if (!cholesky<6>(covariance, L)) return;
-    Vector6 error;
-    error << X_WB_true.p() - predicted.X_WB.p(), turned;
-    ++judged;
-    inside += squared_distance<6>(L, error) < 12.592 ? 1 : 0;  // 95 % of chi-squared with 6 degrees of freedom
-  }
-
-  [[nodiscard]] PredictorRow finish(double rate_hz) && {
-    std::vector<double> series(row.errors.size());
-    std::ranges::transform(row.errors, series.begin(), &PredictionError::angle_deg);
-    row.angle_deg = statistics_of(series);
-    std::ranges::transform(row.errors, series.begin(), &PredictionError::position_mm);
-    row.position_mm = statistics_of(series);
-    const std::optional<double> jitter_rad = band_rms<3>(error_vectors, rate_hz);
-    row.angle_spectrum = power_spectrum<3>(error_vectors, rate_hz, FrequencyBand{0.5, 15.0});
-    if (jitter_rad) row.jitter_arcmin = radians(*jitter_rad).arcmin();
-    if (judged > 0) row.inside_95_pct = 100.0 * static_cast<double>(inside) / static_cast<double>(judged);
-    return std::move(row);
-  }
-};
 
 /// The two newest readings that have a rate, and the predictor that has all until then.
 class InertialFollower {
@@ -281,7 +179,8 @@ class InertialFollower {
   evaluation.skipped = 1;  // the first sample has no velocity
   const Duration usual = median_interval(samples);
   const detail::Stretches stretches(samples, 5 * usual);
-  detail::Walker known(samples), known_before(samples), future(truth);
+  detail::Walker known(samples), known_before(samples);
+  detail::RecordedTruth future(truth);
   PoseFilter<3> filter(settings.model, settings.filter);
   filter.start(samples[0]);
   std::optional<detail::InertialFollower> inertial;
@@ -301,13 +200,14 @@ class InertialFollower {
     }
     const TimedPose before{earlier, known.at(earlier)};
     const PoseEstimate estimate = backward_difference(before, samples[i]);
-    const Rigid X_WB_true = future.at(target);
+    const detail::TrueMoment true_moment = future.at(target);
+    const Rigid& X_WB_true = true_moment.X_WB;
     for (std::size_t k = 0; k < predictors.size(); ++k) {
       rows[k].add(predict(predictors[k], estimate, target, settings.limits), X_WB_true);
     }
     const StatePredictionLimits limits{settings.limits.maximum_interval};
     rows[2].add(predict_state(filter.state(), filter.model(), target, limits), X_WB_true,
-                settings.truth_noise.value_or(settings.filter.noise));
+                true_moment.noisy(settings.truth_noise.value_or(settings.filter.noise)));
     // A window earlier; where the stretch begins later, the velocity is taken for constant.
     const HostTime earliest = std::max(earlier - (t - earlier), stretches.first[i]);
     const Twist velocity_before = earliest < earlier
@@ -321,7 +221,8 @@ class InertialFollower {
     rows[5].add(detail::extrapolated(estimate, by_gyro, {Vector3::Zero(), inertial->raw_acceleration()}, target),
                 X_WB_true);
     const InertialPrediction predicted = inertial->predictor().predict(target);
-    rows[6].add(predicted, X_WB_true, settings.truth_noise.value_or(inertial->predictor().filter().pose_noise()));
+    rows[6].add(predicted, X_WB_true,
+                true_moment.noisy(settings.truth_noise.value_or(inertial->predictor().filter().pose_noise())));
     evaluation.by_poses += predicted.by == PredictedBy::inertial ? 0 : 1;
   }
   if (inertial) evaluation.sensors = inertial->predictor().filter().state();

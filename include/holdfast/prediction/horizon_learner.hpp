@@ -4,11 +4,11 @@
 /// Every pose ends predictions that could have been made before it: the trends remembered from 10, 20, 40, 60, 100 and
 /// 200 ms ago are examples for the weights of these horizons (fading_least_squares.hpp), and what was predicted then
 /// errs by what the covariance is made of (error_spread.hpp). Nothing is learnt from a pose before it is there.
-/// Examples rarely meet a horizon; what was learnt counts for their mean. Between these, weights are interpolated, and
-/// covariances as powers of time.
+/// Examples rarely meet a horizon: of those nearer to it than to the others the nearest is taken, and what was learnt
+/// counts for their mean. Between these, weights are interpolated, and covariances as powers of time.
+/// Covariances are of the error against where the head is: without the poses' noise.
 /// Units: s, rad, m. Hot path: nothing here allocates.
-/// Bad input: precondition finite trends and poses. An example of a horizon that is not met within 8 ms (or 15 %) is
-/// left out.
+/// Bad input: precondition finite trends and poses.
 #pragma once
 
 #include <algorithm>
@@ -18,6 +18,7 @@
 
 #include <holdfast/prediction/error_spread.hpp>
 #include <holdfast/prediction/motion_trend.hpp>
+#include <holdfast/tracking/inertial_spread.hpp>
 
 namespace holdfast {
 
@@ -59,13 +60,16 @@ class HorizonLearner {
     }
   }
 
-  /// Call it with each measured pose that is believed.
-  void learn(const TimedPose& pose) {
+  /// Call it with each measured pose that is believed. `noise`: what the poses' was found to be; `usual`: how uncertain
+  /// the filter usually is after a pose.
+  void learn(const TimedPose& pose, const PoseNoise& noise, const PoseSpread& usual) {
+    noise_ = noise;
+    usual_ = usual;
     const double since = learnt_ ? std::max(0.0, to_seconds(pose.t - learnt_until_)) : 0.0;
     learnt_ = true;
     learnt_until_ = pose.t;
     for (std::size_t k = 0; k < horizons.size(); ++k) {
-      if (const Moment* moment = nearest(pose.t, horizons[k])) learn(k, *moment, pose, since);
+      if (const Moment* moment = nearest(pose.t, k)) learn(k, *moment, pose, since);
     }
   }
 
@@ -105,7 +109,6 @@ class HorizonLearner {
   }
 
  private:
-  static constexpr double nearest_s = 0.008;
   static constexpr double largest_weight = 10.0;  ///< no trend is worth more; bad luck in a few examples may say so
 
   using AllWeights = std::array<HorizonWeights, horizons.size()>;
@@ -119,17 +122,16 @@ class HorizonLearner {
     ErrorSpread spread;
   };
 
-  /// Horizons' own ranges do not touch.
-  [[nodiscard]] static double earliest(std::size_t k) { return k == 0 ? 0.5 * horizons[0] : 0.82 * horizons[k]; }
-  [[nodiscard]] static double latest(std::size_t k) { return 1.2 * horizons[k]; }
+  /// Between which times an example counts for a horizon: these do not touch.
+  static constexpr std::array<double, horizons.size() + 1> edges{0.005, 0.015, 0.03, 0.05, 0.08, 0.15, 0.3};
 
-  [[nodiscard]] const Moment* nearest(HostTime t, double horizon) const {
+  [[nodiscard]] const Moment* nearest(HostTime t, std::size_t k) const {
     const Moment* best = nullptr;
-    double best_miss = std::max(nearest_s, 0.15 * horizon);
+    double best_miss = horizons[k];
     for (std::size_t i = 0; i < count_; ++i) {
       const Moment& moment = moments_[(first_ + i) % moments_.size()];
-      const double miss = std::abs(to_seconds(t - moment.trend.t) + moment.trend.gap - horizon);
-      if (miss >= best_miss) continue;
+      const double h = to_seconds(t - moment.trend.t) + moment.trend.gap, miss = std::abs(h - horizons[k]);
+      if (miss >= best_miss || h < edges[k] || h >= edges[k + 1]) continue;
       best_miss = miss;
       best = &moment;
     }
@@ -144,12 +146,12 @@ class HorizonLearner {
     const auto moves = trend.move_over(h);
     const Vector3 turned = so3::log<double>(trend.X_WS.q().conjugate() * pose.X_WB.q());
     const Vector3 moved = pose.X_WB.p() + pose.X_WB.q() * trend.lever_B - trend.X_WS.p();
-    met_[k] += 0.02 * (std::clamp(h + trend.gap, earliest(k), latest(k)) - met_[k]);
+    met_[k] += 0.02 * (h + trend.gap - met_[k]);
     const HorizonWeights& said = then.weights[k];
     const Rigid X = trend.carried(turns * said.turn, moves * said.move);
     const double fade = std::exp(-since / settings_.spread_memory_s);
     const Vector3 turn_error = so3::log<double>(X.q().conjugate() * pose.X_WB.q());
-    learner.spread.add(turn_error, pose.X_WB.p() - X.p(), said.turn_covariance, said.move_covariance, fade);
+    learner.spread.add(turn_error, pose.X_WB.p() - X.p(), said.turn_covariance, said.move_covariance, noise_, fade);
 
     const double weights_fade = std::exp(-since / settings_.memory_s);
     learner.turn.add(turns, turned, weights_fade);
@@ -168,8 +170,9 @@ class HorizonLearner {
     const MotionTrend::TurnWeights of_turn = learner.turn.solve(usual_turn_weights(), s.ridge, turn);
     const MotionTrend::MoveWeights of_move = learner.move.solve(usual_move_weights(), s.ridge, move);
     weights_[k] = {of_turn.cwiseMax(-largest_weight).cwiseMin(largest_weight),
-                   of_move.cwiseMax(-largest_weight).cwiseMin(largest_weight), learner.spread.turn_covariance(),
-                   learner.spread.move_covariance()};
+                   of_move.cwiseMax(-largest_weight).cwiseMin(largest_weight),
+                   learner.spread.turn_covariance(noise_.orientation_rad * noise_.orientation_rad, usual_.turn_rad2(h)),
+                   learner.spread.move_covariance(noise_.position_m * noise_.position_m, usual_.place_m2(h))};
   }
 
   HorizonLearnerSettings settings_;
@@ -180,6 +183,8 @@ class HorizonLearner {
   std::size_t first_ = 0, count_ = 0;
   bool learnt_ = false;
   HostTime learnt_until_;
+  PoseNoise noise_{0.0, 0.0};  ///< of the newest pose
+  PoseSpread usual_;
 };
 
 }  // namespace holdfast

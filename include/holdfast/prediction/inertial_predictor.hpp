@@ -16,8 +16,8 @@
 ///              alone predicts; source, when `source_predicts`: the newest pose as it is, not predicted twice
 ///   r.gyro, r.accelerometer   what is wrong with them (inertial_health.hpp). Without accelerometer it stays inertial.
 /// Covariance: of (dp, dphi), without cross terms, against the true pose. It is learnt from predictions between poses,
-/// less the noise that these were found to have; it is not taken for smaller than the filter's own. Where poses are
-/// missing, and for half a second after a start, the filter's covariance says what comes to it (inertial_spread.hpp).
+/// less the noise that these were found to have (error_spread.hpp). Where poses are missing, and for half a second
+/// after a start, the filter's covariance says what comes to it (learnt_uncertainty.hpp).
 /// Hot path: nothing here allocates (but the constructor), locks or throws. It is an object of about 110 kB, most of it
 /// the moments to learn from: keep it on the heap where stacks are small.
 /// Bad input: readings and poses that are not finite, or that go back in time, are refused and named; ten in a row are
@@ -205,12 +205,12 @@ class InertialPredictor {
   }
 
   void learn(const TimedPose& pose, InertialPoseUpdate status) {
+    uncertainty_.update(filter_, status);
     if (status == InertialPoseUpdate::updated) {
-      learner_.learn(pose);
+      learner_.learn(pose, filter_.pose_noise(), uncertainty_.usual());
     } else {
       learner_.forget_moments();
     }
-    uncertainty_.update(filter_, status);
     trend_ = motion_trend(filter_, acceleration_W_);
     remember(often);
   }
@@ -258,7 +258,7 @@ class InertialPredictor {
     result.X_WB = trend_.carried(trend_.turn_rates * turn, trend_.move_rates * move);
     result.covariance.topLeftCorner<3, 3>() = weights.move_covariance;
     result.covariance.bottomRightCorner<3, 3>() = weights.turn_covariance;
-    uncertainty_.complete(result.covariance, filter_, trend_.t, std::max(0.0, h));
+    uncertainty_.complete(result.covariance, trend_.t, std::max(0.0, h));
     if (asked == h) return result;
     result.status = asked > h ? PredictionStatus::clamped : PredictionStatus::backwards;
     Vector6 missed;  // held there: what the velocity says of the rest is an error

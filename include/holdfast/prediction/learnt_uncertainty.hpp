@@ -1,9 +1,7 @@
-/// From a covariance learnt between measured poses to that of a prediction's error now.
+/// What comes to the covariance that was learnt while poses came, where they are missing.
 ///
-/// What was learnt is of errors against measured poses: the noise that these were found to have goes, as far as the
-/// rest is no smaller than what the filter's own covariance says. And it was learnt while poses came: where they are
-/// missing, and for half a second after a start, what the filter's covariance says beyond the usual comes to it
-/// (inertial_spread.hpp).
+/// Then, and for half a second after a start, what the filter's own covariance says beyond the usual comes to it
+/// (inertial_spread.hpp). The usual is also the least that is learnt (error_spread.hpp).
 /// Units: m^2, rad^2, s. Nothing here allocates. Bad input: precondition a filter that is started, h >= 0.
 #pragma once
 
@@ -30,20 +28,16 @@ class LearntUncertainty {
     usual_.turn += 0.05 * (spread_.turn - usual_.turn);
   }
 
+  /// How uncertain the filter's pose is after a pose, of late.
+  [[nodiscard]] const PoseSpread& usual() const { return usual_; }
+
   /// Of a prediction over h from the filter's newest state, at `now`.
-  void complete(Matrix6& covariance, const InertialFilter& filter, HostTime now, double h) const {
-    const double usual = pose_interval_s_ + h, since = to_seconds(now - newest_) + h;
-    const double place = usual_.place_m2(usual), turn = usual_.turn_rad2(usual);
-    const PoseNoise noise = filter.pose_noise();
-    const auto without_noise = [](double learnt, double deviation, double by_filter) {
-      return std::min(1.0, std::max(learnt - deviation * deviation, by_filter) / learnt);
-    };
-    covariance.topLeftCorner<3, 3>() *= without_noise(covariance.diagonal().head<3>().mean(), noise.position_m, place);
-    covariance.bottomRightCorner<3, 3>() *=
-        without_noise(covariance.diagonal().tail<3>().mean(), noise.orientation_rad, turn);
-    if (since - h <= 1.5 * pose_interval_s_ && newest_ >= settled_) return;
-    covariance.diagonal().head<3>().array() += std::max(0.0, spread_.place_m2(since) - place);
-    covariance.diagonal().tail<3>().array() += std::max(0.0, spread_.turn_rad2(since) - turn);
+  void complete(Matrix6& covariance, HostTime now, double h) const {
+    const double unseen = to_seconds(now - newest_);
+    if (unseen <= 1.5 * pose_interval_s_ && newest_ >= settled_) return;
+    const double usual = pose_interval_s_ + h, since = unseen + h;
+    covariance.diagonal().head<3>().array() += std::max(0.0, spread_.place_m2(since) - usual_.place_m2(usual));
+    covariance.diagonal().tail<3>().array() += std::max(0.0, spread_.turn_rad2(since) - usual_.turn_rad2(usual));
   }
 
  private:

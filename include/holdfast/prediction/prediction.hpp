@@ -2,6 +2,7 @@
 #pragma once
 
 #include <holdfast/prediction/azuma_bishop_prediction.hpp>
+#include <holdfast/prediction/error_recorder.hpp>
 #include <holdfast/prediction/error_spread.hpp>
 #include <holdfast/prediction/error_statistics.hpp>
 #include <holdfast/prediction/evaluation.hpp>
@@ -15,4 +16,5 @@
 #include <holdfast/prediction/prediction_distance.hpp>
 #include <holdfast/prediction/predictor.hpp>
 #include <holdfast/prediction/predictor_theory.hpp>
+#include <holdfast/prediction/recorded_truth.hpp>
 #include <holdfast/prediction/state_prediction.hpp>

@@ -4,11 +4,15 @@
 /// taken for violent shaking. So the motion is taken to be the recording without what is above 10 Hz (zero-phase, as
 /// Azuma & Bishop's truth, 001 appendix B), splined; the readings are that motion's exact derivatives with the errors of
 /// `recorded_head_unit`. What is above 10 Hz stays in the poses and in the truth, as noise.
+/// Poses that come slower than 100 Hz are splined to that first: the bends of a spline at the poses would else be felt,
+/// and predictions that begin at poses err in another way than those that end there. Of slow recordings no more than
+/// half of what their rate can carry is taken for movement.
 /// This is kind to inertial prediction in two ways: a filter without phase looks ahead by some hundredths of a second, and
 /// a spline bends before its samples do. docs/prediction.md has the figures without the low-pass.
 /// Precondition: times that increase; at least two poses.
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -31,8 +35,13 @@ namespace holdfast {
 [[nodiscard]] inline std::vector<InertialReading> simulate_inertial(std::span<const TimedPose> recording,
                                                                     const InertialUnit& unit = recorded_head_unit(),
                                                                     double low_pass_hz = 10.0) {
-  if (low_pass_hz > 0.0) return inertial_stream(SplineTrajectory(zero_phase_low_pass(recording, low_pass_hz)), unit);
-  return inertial_stream(SplineTrajectory(std::vector<TimedPose>(recording.begin(), recording.end())), unit);
+  const SplineTrajectory as_recorded(recording);
+  if (low_pass_hz <= 0.0) return inertial_stream(as_recorded, unit);
+  constexpr Duration slow = std::chrono::milliseconds(10);
+  const bool is_slow = median_interval(recording) > slow;
+  const std::vector<TimedPose> resampled = is_slow ? sample(as_recorded, slow) : std::vector<TimedPose>();
+  const double cutoff_hz = std::min(low_pass_hz, 0.25 / to_seconds(median_interval(recording)));
+  return inertial_stream(SplineTrajectory(zero_phase_low_pass(is_slow ? resampled : recording, cutoff_hz)), unit);
 }
 
 /// Every so many-th pose, such that about `rate_hz` are left.

@@ -23,7 +23,6 @@
 #include <algorithm>
 #include <cmath>
 
-
 #include <holdfast/geometry/cholesky.hpp>
 #include <holdfast/tracking/advance.hpp>
 #include <holdfast/tracking/fading_polynomial.hpp>
@@ -100,7 +99,8 @@ class InertialFilter {
     begin.t = pose.t;
     begin.X_WS = Rigid(pose.X_WB.q(), pose.X_WB.p() + pose.X_WB.q() * begin.lever_B);
     begin.v_WS.setZero();
-    balance_.restart();
+    place_balance_.restart();
+    turn_balance_.restart();
     state_ = begin;
     const InertialState::Covariance known = P_;
     P_.setZero();
@@ -129,8 +129,9 @@ class InertialFilter {
 
   /// Without the accelerometer the velocity stays, more or less.
   void use_force(bool yes) { uses_force_ = yes; }
-  /// What was found out about the accelerometer was wrong: its bias and gravity are to be found anew.
+  /// What was found out about the accelerometer was wrong: its bias, its noise and gravity are to be found anew.
   void forget_force() {
+    place_balance_ = InnovationBalance{place_balance_.most()};
     state_.bias.force_B.setZero();
     forget(InertialState::force_bias, settings_.force_bias);
     knows_gravity_ = false;
@@ -213,7 +214,7 @@ class InertialFilter {
     S::Covariance FP;
     FP.noalias() = F.lazyProduct(P_);
     P_.noalias() = FP.lazyProduct(F.transpose());
-    process_ = process_noise(step, settings_, balance_.scale());
+    process_ = process_noise(step, settings_, turn_balance_.scale(), place_balance_.scale());
     add_process_noise(P_, process_, step.seconds, settings_);
     state_.move(step);
     state_.t = t;
@@ -245,10 +246,11 @@ class InertialFilter {
       turn_noise_.add(residual.tail<3>(), explained.tail<3>().mean());
     }
     if (!accepted) return false;
+    turn_balance_.add(residual.tail<3>(), innovation.diagonal().tail<3>().mean());
     if (uses_force_ && knows_gravity_) {
-      balance_.add(residual.head<3>(), innovation.diagonal().head<3>().mean());
+      place_balance_.add(residual.head<3>(), innovation.diagonal().head<3>().mean());
     } else {
-      balance_.restart();
+      place_balance_.restart();
     }
     const MatrixOf<double, 6, S::size> gain = solved_by<6, S::size>(L, PH.transpose());  // transposed
     S::Error d = PH * weighted;
@@ -268,9 +270,9 @@ class InertialFilter {
   InertialState state_, now_;
   InertialState::Covariance P_ = InertialState::Covariance::Zero();
   Vector3 force_now_B_ = Vector3::Zero();
-  NoiseEstimate place_noise_, turn_noise_;  ///< of the poses
-  InnovationBalance balance_;               ///< of the place: how much the accelerometer errs
-  ProcessNoise process_;                    ///< that was added last
+  NoiseEstimate place_noise_, turn_noise_;                    ///< of the poses
+  InnovationBalance turn_balance_{1.0}, place_balance_{4.0};  ///< how much gyro and accelerometer err
+  ProcessNoise process_;                                      ///< that was added last
   bool started_ = false, uses_force_ = true, knows_gravity_ = false;
   int rejected_ = 0, late_ = 0;  ///< in a row
 };

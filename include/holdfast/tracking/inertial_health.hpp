@@ -100,20 +100,36 @@ class TriadHealth {
 
 /// What an accelerometer feels in the world, on average: without the body's acceleration, which comes and goes, that is
 /// what stands against gravity. Units: m/s^2, s.
+/// The last two to four seconds count: what was felt before is forgotten wholly, however wrong it was.
 class GravityCheck {
  public:
   void add(const Vector3& force_W, double since) {
-    time_ += since;
-    if (time_ > 0.0) mean_W_ += std::min(1.0, since / std::min(time_, memory_s)) * (force_W - mean_W_);
+    now_.add(force_W, since);
+    if (now_.seconds < window_s) return;
+    before_ = now_;
+    now_ = {};
   }
-  void restart() { time_ = 0.0; }
-  /// Off by a tenth. The mean acceleration of a head that moves at v within the memory is v / memory: well below that.
-  [[nodiscard]] bool contradicts() const { return time_ > 2.0 && std::abs(mean_W_.norm() - standard_gravity) > 1.0; }
+  void restart() { before_ = now_ = {}; }
+  /// Off by a tenth. The mean acceleration of a head that moves at v within the window is v / window: well below that.
+  [[nodiscard]] bool contradicts() const {
+    const double seconds = before_.seconds + now_.seconds;
+    if (seconds < window_s) return false;
+    const Vector3 mean_W = (before_.sum_W + now_.sum_W) / seconds;
+    return std::abs(mean_W.norm() - standard_gravity) > 1.0;
+  }
 
  private:
-  static constexpr double memory_s = 3.0;
-  double time_ = 0.0;
-  Vector3 mean_W_ = Vector3::Zero();
+  static constexpr double window_s = 2.0;
+  struct Sum {
+    double seconds = 0.0;
+    Vector3 sum_W = Vector3::Zero();  ///< times seconds
+
+    void add(const Vector3& force_W, double since) {
+      seconds += since;
+      sum_W += since * force_W;
+    }
+  };
+  Sum before_, now_;
 };
 
 /// Compares the gyro's turns between poses with the poses' own, over the last second or so of turning. One pair counts

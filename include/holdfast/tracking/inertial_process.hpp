@@ -13,8 +13,8 @@
 namespace holdfast {
 
 struct InertialProcessSettings {
-  double rate_noise = 5e-4;          ///< of the gyro, rad/s / sqrt(Hz)
-  double rate_scale_error = 0.01;    ///< and this part of what it says
+  double rate_noise = 5e-4;          ///< of the gyro, rad/s / sqrt(Hz); 0.3 to 1 times that, as the poses tell
+  double rate_scale_error = 0.01;    ///< and this part of what it says; likewise
   double force_noise = 0.005;        ///< of the accelerometer, m/s^2 / sqrt(Hz); 0.3 to 4 times that, as the poses tell
   double swing_m = 0.03;             ///< the sensors sit so far from where they are believed to, when turning fast
   double no_force_noise = 1.0;       ///< of the body's acceleration, where there is no accelerometer
@@ -31,11 +31,11 @@ struct ProcessNoise {
 };
 
 [[nodiscard]] inline ProcessNoise process_noise(const StrapdownIncrement& step, const InertialProcessSettings& settings,
-                                                double force_scale) {
+                                                double turn_scale, double force_scale) {
   const auto square = [](double x) { return x * x; };
   const double rate_squared = std::max(step.rate_begin_B.squaredNorm(), step.rate_end_B.squaredNorm());
   const double force = step.has_force ? force_scale * settings.force_noise : settings.no_force_noise;
-  return {square(settings.rate_noise) + 0.05 * square(settings.rate_scale_error) * rate_squared,
+  return {square(turn_scale) * (square(settings.rate_noise) + 0.05 * square(settings.rate_scale_error) * rate_squared),
           square(force) + 1.25e-4 * square(settings.swing_m * rate_squared)};
 }
 

@@ -40,10 +40,13 @@ class NoiseEstimate {
 
 class InnovationBalance {
  public:
+  /// `most`: the largest scale.
+  explicit InnovationBalance(double most = 4.0) : most_(most) {}
+
   void add(const Vector3& residual, double variance) {
     const Vector3 now = residual / std::sqrt(variance);
     const double alike = std::clamp(now.dot(before_) / 3.0, -1.0, 3.0);
-    scale_ = std::clamp(scale_ * std::exp(0.04 * alike), 0.3, 4.0);
+    scale_ = std::clamp(scale_ * std::exp(0.04 * alike), 0.3, most_);
     before_ = now;
   }
   /// The next innovation does not follow the last one.
@@ -51,9 +54,10 @@ class InnovationBalance {
 
   /// By which the deviation of the state's noise is to be multiplied.
   [[nodiscard]] double scale() const { return scale_; }
+  [[nodiscard]] double most() const { return most_; }
 
  private:
-  double scale_ = 1.0;
+  double scale_ = 1.0, most_;
   Vector3 before_ = Vector3::Zero();
 };
 

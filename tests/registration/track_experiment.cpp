@@ -358,6 +358,17 @@ TEST_CASE("tuning: settings become values and settings again, and cost what thei
   CHECK(tuning_cost(method, good, std::array{run, nothing}) ==
         doctest::Approx(0.5 * (cost + lost_cost)));  // lost from the start
   CHECK(tuning_cost(method, good, {}) == 0.0);
+  // A gate that takes nothing, so that a new pose every quarter of a second is all there is. Silence is not cheap.
+  TrackParameters shut = good;
+  shut.gate.probability = 1e-6;
+  shut.gate.widest = 1.0;
+  shut.gate.lost_after = 1000000;
+  const double silent = tuning_cost(method, shut, std::array{run});
+  const double of_estimates = run_method(method, shut, walk.rig(), walk.truth, walk.stream).three_point.cost();
+  MESSAGE("of a filter that is mostly silent: ", silent, " m, of its estimates alone ", of_estimates, " m");
+  CHECK(silent > 0.1 * lost_cost);
+  CHECK(silent < lost_cost);
+  CHECK(of_estimates < 0.5 * silent);
   // A filter that takes the head for a thousand times calmer than it is lags behind.
   CHECK(tuning_cost(method, with_tuned(good, std::array{1e-4, 1e-4, 1e-3, 1e-3, 1e-3, 2e-8, 1e-6}), std::array{run}) >
         3.0 * cost);

@@ -2,7 +2,9 @@
 ///
 /// Cost: the mean distance of three points before the HiBall (three_point_error.hpp), of all estimates of a run, averaged
 /// over runs. A search for the least (calibration/filter_tuning.hpp) wants runs other than those that are reported: what
-/// is found suits the motions that it was found on. A run whose filter diverges costs `lost_cost`.
+/// is found suits the motions that it was found on. A filter that says nothing is not charged for by that mean; so the
+/// share of a run's sightings that come in a silence of more than `lost_after` windows counts as `lost_cost`, and so does
+/// a run whose filter diverges.
 ///
 /// 002's parameter set Pi[N] and ours, by name:
 ///   lateral, height, turn_x, turn_y, turn_z   mu[lambda], mu[z], mu[phi], mu[theta], mu[psi]: the process noise's
@@ -34,6 +36,7 @@ struct TrainingRun {
 };
 
 inline constexpr double lost_cost = 1.0;  ///< m
+inline constexpr long lost_after = 50;    ///< windows, as many as rejections in a row make a gate say so
 
 /// In the order of the list above, starting from a method's settings: intensities within a thousand times. Empty for a
 /// method without a filter.
@@ -72,10 +75,15 @@ inline constexpr double lost_cost = 1.0;  ///< m
                                         std::span<const TrainingRun> runs) {
   double sum = 0.0;
   for (const TrainingRun& run : runs) {
-    const TrackRow row = run_method(method, parameters, *run.rig, *run.truth, run.stream);
+    long silent = 0, lost = 0;  // sightings in a row without an estimate; all beyond lost_after windows
+    const TrackRow row = run_method(method, parameters, *run.rig, *run.truth, run.stream, [&](const TrackMoment& m) {
+      silent = m.fresh ? 0 : silent + 1;
+      if (silent > lost_after * parameters.window.size) ++lost;
+    });
     const double cost = row.three_point.cost();
     const bool tracked = row.updates > 0 && std::isfinite(cost);
-    sum += tracked ? std::min(cost, lost_cost) : lost_cost;
+    const double lost_share = tracked ? static_cast<double>(lost) / static_cast<double>(row.sightings) : 1.0;
+    sum += lost_share * lost_cost + (tracked ? (1.0 - lost_share) * std::min(cost, lost_cost) : 0.0);
   }
   return runs.empty() ? 0.0 : sum / static_cast<double>(runs.size());
 }

@@ -100,36 +100,30 @@ class TriadHealth {
 
 /// What an accelerometer feels in the world, on average: without the body's acceleration, which comes and goes, that is
 /// what stands against gravity. Units: m/s^2, s.
-/// The last two to four seconds count: what was felt before is forgotten wholly, however wrong it was.
+/// Once it is wrong, two seconds in which it is right are enough to forget what was felt before, however wrong that was.
 class GravityCheck {
  public:
   void add(const Vector3& force_W, double since) {
-    now_.add(force_W, since);
-    if (now_.seconds < window_s) return;
-    before_ = now_;
-    now_ = {};
+    time_ += since;
+    if (time_ > 0.0) mean_W_ += std::min(1.0, since / std::min(time_, memory_s)) * (force_W - mean_W_);
+    of_late_s_ += since;
+    sum_of_late_W_ += since * force_W;
+    if (of_late_s_ < 2.0) return;
+    const Vector3 of_late_W = sum_of_late_W_ / of_late_s_;
+    if (contradicts() && !is_off(of_late_W)) mean_W_ = of_late_W;
+    of_late_s_ = 0.0;
+    sum_of_late_W_.setZero();
   }
-  void restart() { before_ = now_ = {}; }
-  /// Off by a tenth. The mean acceleration of a head that moves at v within the window is v / window: well below that.
-  [[nodiscard]] bool contradicts() const {
-    const double seconds = before_.seconds + now_.seconds;
-    if (seconds < window_s) return false;
-    const Vector3 mean_W = (before_.sum_W + now_.sum_W) / seconds;
-    return std::abs(mean_W.norm() - standard_gravity) > 1.0;
-  }
+  void restart() { *this = {}; }
+  /// The mean acceleration of a head that moves at v within the memory is v / memory: well below a tenth of gravity.
+  [[nodiscard]] bool contradicts() const { return time_ > 2.0 && is_off(mean_W_); }
 
  private:
-  static constexpr double window_s = 2.0;
-  struct Sum {
-    double seconds = 0.0;
-    Vector3 sum_W = Vector3::Zero();  ///< times seconds
+  static constexpr double memory_s = 3.0;
+  [[nodiscard]] static bool is_off(const Vector3& force_W) { return std::abs(force_W.norm() - standard_gravity) > 1.0; }
 
-    void add(const Vector3& force_W, double since) {
-      seconds += since;
-      sum_W += since * force_W;
-    }
-  };
-  Sum before_, now_;
+  double time_ = 0.0, of_late_s_ = 0.0;
+  Vector3 mean_W_ = Vector3::Zero(), sum_of_late_W_ = Vector3::Zero();
 };
 
 /// Compares the gyro's turns between poses with the poses' own, over the last second or so of turning. One pair counts

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include <holdfast/geometry/angle.hpp>
+#include <holdfast/registration/three_point_error.hpp>
 #include <holdfast/simulation/ultrasonic_range.hpp>
 #include <holdfast/tracking/range_acquisition.hpp>
 
@@ -33,11 +34,13 @@ struct AcquisitionTrials {
 struct AcquisitionRow {
   int trials = 0, acquired = 0, ambiguous = 0;
   int false_poses = 0;       ///< of those acquired: more than 5 cm or 5 degrees off
+  int no_pose = 0;           ///< the ranges contradict each other, or are too few
   double position_mm = 0.0;  ///< mean error of those that are not false
   double angle_deg = 0.0;
-  double ranges = 0.0;        ///< mean number that is heard
-  double tuples = 0.0;        ///< mean number of 4-tuples of codes that were tried
-  double milliseconds = 0.0;  ///< mean time of one thread on the machine at hand
+  RmsAndPeak position, angle;  ///< m and rad, of the same
+  double ranges = 0.0;         ///< mean number that is heard
+  double tuples = 0.0;         ///< mean number of 4-tuples of codes that were tried
+  double milliseconds = 0.0;   ///< mean time of one thread on the machine at hand
 };
 
 namespace detail {
@@ -99,6 +102,7 @@ namespace detail {
     row.ranges += static_cast<double>(heard.size()) / trials.trials;
     row.tuples += static_cast<double>(found.tuples_tried) / trials.trials;
     row.ambiguous += found.status == RangeAcquisitionStatus::ambiguous;
+    row.no_pose += !found.ok() && found.status != RangeAcquisitionStatus::ambiguous;
     if (!found.ok()) continue;
     ++row.acquired;
     const double off_m = (found.X_WB.p() - X_WB.p()).norm();
@@ -107,6 +111,8 @@ namespace detail {
       ++row.false_poses;
       continue;
     }
+    row.position.add(off_m);
+    row.angle.add(degrees(off_deg).radians());
     row.position_mm += 1000.0 * off_m;
     row.angle_deg += off_deg;
   }

@@ -3,8 +3,10 @@
 /// It starts at a pose that errs like an acquired one: 5 mm and 1 deg on each axis. Errors count from `settle` on: at each
 /// reading the pose that goes out against the truth of that time. What a user sees is judged apart: `shown` samples the newest
 /// pose at times of its own, so that effective latency holds the wait for the next reading as well as the unit's lag.
-/// NEES is that of position and orientation at every 100th reading, NIS that of every range which the gate compared (its
-/// outliers included), each per degree of freedom: 1 is consistent, above is too sure.
+/// NEES is that of position and orientation at every 100th reading, NIS that of every range which the gate let in (it cuts the
+/// tail off: 0.99 is expected at 99.9 %), each per degree of freedom: 1 is consistent, above is too sure. One installation's
+/// errors stay the same for a whole run, so that its NEES says little: judge the mean of several seeds.
+/// What was turned away is counted by what it was: a good range, an echo, an early pulse.
 /// `range_microseconds` and `reading_nanoseconds` are times of one thread on the machine at hand.
 /// The case says what is wrong; a case's random numbers belong to its seed. Units are in the names.
 /// Bad input: a motion shorter than `settle` gives figures of nothing: zeros.
@@ -46,6 +48,13 @@ struct ConstellationCase {
   std::uint64_t seed = 1;
 };
 
+struct RangesByCause {
+  long good = 0, echo = 0, early = 0;
+
+  void add(RangingFault fault) { ++(fault == RangingFault::none ? good : fault == RangingFault::echo ? echo : early); }
+  [[nodiscard]] long all() const { return good + echo + early; }
+};
+
 struct ConstellationRow {
   std::string name;
   ThreePointError three_point;             ///< m; points 1 m ahead are those of three_point_error.hpp
@@ -53,6 +62,7 @@ struct ConstellationRow {
   RmsAndPeak angle;                        ///< rad
   Vector3 mean_error_W = Vector3::Zero();  ///< of position, m
   long readings = 0, ranges = 0, accepted = 0, gated = 0;
+  RangesByCause heard, turned_away;
   long corrupt = 0;           ///< ranges that were echoes or early
   long corrupt_accepted = 0;  ///< of these, how many passed the gate
   double range_microseconds = 0.0, reading_nanoseconds = 0.0;
@@ -123,9 +133,11 @@ class ConstellationJudge {
     ++row_->ranges;
     row_->accepted += update == RangeUpdate::accepted;
     row_->gated += update == RangeUpdate::gated;
+    row_->heard.add(heard.fault);
+    if (update == RangeUpdate::gated) row_->turned_away.add(heard.fault);
     row_->corrupt += heard.fault != RangingFault::none;
     row_->corrupt_accepted += heard.fault != RangingFault::none && update == RangeUpdate::accepted;
-    if (heard.range.t >= from_ && update != RangeUpdate::refused) nis_.add(tracker.nis());
+    if (heard.range.t >= from_ && update == RangeUpdate::accepted) nis_.add(tracker.nis());
   }
   void finish() {
     row_->nees = nees_.mean() / nees_.expected();

@@ -6,7 +6,7 @@
 /// left is systematic. Beside it stand the resolution, by the noise alone (figure 8), and the dilution of precision (eq. 1).
 /// 003 is silent on the tracker's angles: here they have any heading and tilt by up to `tilt` about any level axis. Every
 /// second trial is colder instead of warmer.
-/// Heights are along +Y of W. Random numbers are the same in every run.
+/// Heights are along +Y of W. Random numbers belong to the seed.
 /// Preconditions: a beacon and a receiver, counts above zero.
 #pragma once
 
@@ -31,6 +31,7 @@ struct SensitivitySettings {
   int places_across = 3;
   double tilt_rad = degrees(20.0).radians();
   int angles = 4, trials = 50;
+  std::uint64_t seed = 1;        ///< of the installations
   bool angle_at_beacon = false;  ///< transducers' angle errors at the beacon too, not only at the receiver
 };
 
@@ -38,6 +39,7 @@ struct SensitivitySettings {
 struct SensitivityRow {
   double height_m = 0.0;
   double error_mm = 0.0;                  ///< systematic error of a receiver's position
+  double rms_mm = 0.0;                    ///< the same, root mean square
   double least_mm = 0.0, worst_mm = 0.0;  ///< of all
   double resolution_mm = 0.0;             ///< sqrt(trace P) by the ranges' noise
   double gdop = 0.0, horizontal_dop = 0.0, vertical_dop = 0.0;
@@ -76,7 +78,7 @@ class SensitivityRun {
   }
 
   void trial(const UltrasonicErrors& errors, int number) {
-    const UltrasonicDevices devices(settings_.rig, errors, static_cast<std::uint64_t>(number) + 1);
+    const UltrasonicDevices devices(settings_.rig, errors, installation(number));
     const int across = settings_.places_across;
     const double step = (settings_.last_x_m - settings_.first_x_m) / std::max(1, across - 1);
     for (int place = 0; place < across * across; ++place) {
@@ -96,10 +98,15 @@ class SensitivityRun {
          {&row.error_mm, &row.resolution_mm, &row.gdop, &row.horizontal_dop, &row.vertical_dop, &row.beacons}) {
       *sum /= row.positions;
     }
+    row.rms_mm = std::sqrt(row.rms_mm / row.positions);
     return row;
   }
 
  private:
+  /// A thousand of them belong to each seed.
+  [[nodiscard]] std::uint64_t installation(int number) const {
+    return 1000 * (settings_.seed - 1) + static_cast<std::uint64_t>(number) + 1;
+  }
   [[nodiscard]] Quaternion angle(int n) const {
     KeyedNumbers numbers(3, {n});
     const double heading = 2.0 * std::numbers::pi * numbers.uniform();
@@ -138,6 +145,7 @@ class SensitivityRun {
     row_.worst_mm = std::max(row_.worst_mm, error_mm);
     ++row_.positions;
     row_.error_mm += error_mm;
+    row_.rms_mm += error_mm * error_mm;
     row_.resolution_mm += resolution_mm;
     row_.gdop += dilution.geometric();
     row_.horizontal_dop += dilution.across(Vector3::UnitY());

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -20,7 +19,7 @@ namespace holdfast::detail {
 /// The ranges to one code, by receiver; NaN: none.
 struct HeardCode {
   int code = 0;
-  double nearest_m = std::numeric_limits<double>::infinity();
+  double distance_m = 0.0;  ///< the median of them: an early pulse at one receiver brings no code to the front
   std::vector<double> range_m;
   std::vector<int> beacons;  ///< with this code
 };
@@ -41,11 +40,11 @@ class HeardCodes {
       double& slot = heard.range_m[static_cast<std::size_t>(r.receiver)];
       if (!std::isnan(slot)) return RangeAcquisitionStatus::repeated_code;
       slot = r.range_m;
-      heard.nearest_m = std::min(heard.nearest_m, r.range_m);
     }
     std::erase_if(codes_, [](const HeardCode& h) { return h.beacons.empty(); });
+    for (HeardCode& h : codes_) h.distance_m = median(h.range_m);
     std::stable_sort(codes_.begin(), codes_.end(),
-                     [](const HeardCode& a, const HeardCode& b) { return a.nearest_m < b.nearest_m; });
+                     [](const HeardCode& a, const HeardCode& b) { return a.distance_m < b.distance_m; });
     for (std::size_t k = 0; k < receivers_.size(); ++k) {
       const auto heard =
           std::count_if(codes_.begin(), codes_.end(), [&](const HeardCode& h) { return !std::isnan(h.range_m[k]); });
@@ -101,6 +100,12 @@ class HeardCodes {
   }
 
  private:
+  /// Of those that are numbers; of two the smaller. Precondition: there is one.
+  [[nodiscard]] static double median(std::vector<double> ranges_m) {
+    std::erase_if(ranges_m, [](double r) { return std::isnan(r); });
+    std::sort(ranges_m.begin(), ranges_m.end());
+    return ranges_m[(ranges_m.size() - 1) / 2];
+  }
   [[nodiscard]] HeardCode& entry(int code) {
     const auto known = std::find_if(codes_.begin(), codes_.end(), [&](const HeardCode& h) { return h.code == code; });
     if (known != codes_.end()) return *known;

@@ -16,7 +16,7 @@ struct RangeAcquisitionSettings {
   double minimum_share = 0.6;       ///< of the ranges that must agree with the pose: four of eight codes do with any
   double settled_share = 0.7;       ///< with so many no further tuple is tried
   int margin = 3;                   ///< by so many ranges more than any other pose: one beacon's, with three receivers
-  int tuples = 100;                 ///< at most, of codes, that are tried
+  int tuples = 300;                 ///< at most, of codes, that are tried
   double same_pose_m = 0.05;        ///< nearer than this, and
   double same_pose_rad = 0.05;      ///< than this, two poses are one
 };

@@ -408,7 +408,7 @@ function verdict(word) {
 
 function table(columns, rows, label) {
   const head = el("tr", {}, ...columns.map((c) => el("th" + (c.text ? ".text" : ""), { scope: "col" }, c.name, c.unit ? el("small", {}, c.unit) : null)));
-  const body = rows.map((r) => el("tr", {}, ...columns.map((c) => el("td" + (c.text ? ".text" : "") + (c.wrap ? ".wrap" : ""), {}, c.value(r)))));
+  const body = rows.map((r) => el("tr", {}, ...columns.map((c) => el("td" + (c.text ? ".text" : "") + (c.wrap ? ".wrap" : c.narrow ? ".narrow" : ""), {}, c.value(r)))));
   return el("div.scroll", { tabindex: "0", role: "region", "aria-label": label }, el("table", {}, el("thead", {}, head), el("tbody", {}, ...body)));
 }
 
@@ -540,12 +540,14 @@ function making() {
   node.append(el("p.note", {}, "Charts are drawn by dygraphs (MIT licence), embedded in this file. Latency is not the only error of a real headset; this report shows what the chosen settings leave."));
 }
 
-/** A page that brings its own words: title, paragraphs, a table, charts, pictures as SVG. */
+const toldTable = (t) => table(t.columns.map((c, i) => ({ ...c, unit: unitSign(c.unit), value: (r) => (c.text ? r[i] : brief(r[i])) })), t.rows, t.label);
+
+/** A page that brings its own words: title, paragraphs, a table, charts, pictures as SVG, further tables. */
 function tell(told) {
   document.title = `${told.title} - Holdfast`;
   page.append(el("p.eyebrow", {}, `Holdfast \u00b7 ${told.eyebrow}`), el("h1", {}, told.title),
     ...told.paragraphs.map((text, i) => el(i ? "p" : "p.lead", {}, text)));
-  page.append(table(told.table.columns.map((c, i) => ({ ...c, unit: unitSign(c.unit), value: (r) => (c.text ? r[i] : brief(r[i])) })), told.table.rows, told.table.label));
+  page.append(toldTable(told.table));
   const grid = el("div.charts.halves");
   grid.style.marginTop = "24px";
   page.append(grid);
@@ -554,6 +556,7 @@ function tell(told) {
     grid.append(el("figure.card.chart", {}, el("header", {}, el("h3", {}, p.title)),
       el("img", { src: "data:image/svg+xml," + encodeURIComponent(p.svg), alt: `${p.title}: ${p.caption}`, style: "max-width:100%" }), el("figcaption", {}, p.caption)));
   }
+  for (const t of told.tables || []) section(t.title, el("p", {}, t.caption), toldTable(t));
   section("How it was made", el("pre", {}, told.command), el("p.note", {}, "Charts are drawn by dygraphs (MIT licence), embedded in this file."));
 }
 

@@ -1,6 +1,7 @@
 /// swimlab track constellation: an inertial navigator corrected by ranges to simulated beacons (Foxlin and others 1998).
 #include "track_constellation.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <filesystem>
@@ -33,8 +34,7 @@ using io::ResultJson;
 namespace {
 
 struct ConstellationWords {
-  std::string scenario = "typical", motion = "walk-around", trajectory, up = "y", seconds = "30", seed = "1",
-              rate = "500", json, out;
+  std::string scenario = "typical", motion, trajectory, up = "y", seconds, seed = "1", rate, trials, json, out;
   bool lenient = false;
 };
 
@@ -43,7 +43,7 @@ struct ConstellationOptions {
   std::filesystem::path trajectory, json, out;  ///< empty: none
   Vector3 up_R = Vector3::UnitY();
   double seconds = 30.0;
-  int rate_hz = 500;
+  int rate_hz = 500, trials = 0;
   std::uint64_t seed = 1;
   bool lenient = false;
 };
@@ -142,15 +142,17 @@ ConstellationTrack tracked(const ConstellationCase& c, const Motion& motion, con
   ConstellationTrack track;
   track.has_inertial = c.has_inertial;
   const HostTime from = motion.begin() + c.settle;
+  constexpr double bin_s = 0.05;
   track.row = run_constellation(c, motion, [&](const ConstellationMoment& moment) {
     const TimedPose pose = moment.tracker.pose();
     const double t_s = to_seconds(pose.t - motion.begin());
-    if (track.errors.empty() || t_s >= track.errors.back().t_s + 0.05) {
+    const auto bin = static_cast<std::size_t>(std::max(0.0, t_s) / bin_s);
+    while (track.errors.size() <= bin) {
       interruption.check();
-      track.errors.push_back({t_s, 0.0});
+      track.errors.push_back({bin_s * static_cast<double>(track.errors.size()), 0.0});
     }
-    const double error = 1e3 * (pose.X_WB.p() - moment.X_WB.p()).norm();
-    track.errors.back().position_mm = std::max(track.errors.back().position_mm, error);
+    double& largest = track.errors[bin].position_mm;
+    largest = std::max(largest, 1e3 * (pose.X_WB.p() - moment.X_WB.p()).norm());
     if (pose.t < from || !c.has_inertial) return;
     const RangeAidedInsStatus status = moment.tracker.status();
     if (track.gyro.empty() && status.gyro != SensorFault::none) track.gyro = to_string(status.gyro);
@@ -209,6 +211,8 @@ ResultJson row_json(const ConstellationTrack& track) {
   json["ranges"] = row.ranges;
   json["accepted"] = row.accepted;
   json["gated"] = row.gated;
+  json["gated_by_cause"] = {
+      {"good", row.turned_away.good}, {"echo", row.turned_away.echo}, {"early", row.turned_away.early}};
   json["wrong"] = row.corrupt;
   json["wrong_accepted"] = row.corrupt_accepted;
   json["microseconds_per_update"] = row.readings > 0 ? 1e-3 * row.reading_nanoseconds : row.range_microseconds;
@@ -224,6 +228,14 @@ ResultJson row_json(const ConstellationTrack& track) {
   return json;
 }
 
+ResultJson figures_json(const std::vector<ConstellationFigure>& figures) {
+  ResultJson json = ResultJson::array();
+  for (const ConstellationFigure& figure : figures) {
+    json.push_back({{"what", figure.what}, {"paper", figure.paper}, {"ours", figure.ours}});
+  }
+  return json;
+}
+
 ResultJson track_json(const ConstellationOptions& o, const NamedMotion& truth,
                       const std::vector<ConstellationTrack>& tracks, const std::vector<ConstellationFigure>& figures) {
   ResultJson json;
@@ -235,11 +247,16 @@ ResultJson track_json(const ConstellationOptions& o, const NamedMotion& truth,
   json["readings_hz"] = o.rate_hz;
   json["rows"] = ResultJson::array();
   for (const ConstellationTrack& track : tracks) json["rows"].push_back(row_json(track));
-  json["paper"] = ResultJson::array();
-  for (const ConstellationFigure& figure : figures) {
-    json["paper"].push_back({{"what", figure.what}, {"paper", figure.paper}, {"ours", figure.ours}});
-  }
+  json["paper"] = figures_json(figures);
   return json;
+}
+
+void print_figures(const std::vector<ConstellationFigure>& figures) {
+  if (figures.empty()) return;
+  std::printf("\n  %-46s %-34s %s\n", "", "paper", "here");
+  for (const ConstellationFigure& f : figures) {
+    std::printf("  %-46s %-34s %s\n", f.what.c_str(), f.paper.c_str(), f.ours.c_str());
+  }
 }
 
 void print_table(const ConstellationOptions& o, const NamedMotion& truth, const std::vector<ConstellationTrack>& tracks,
@@ -247,39 +264,100 @@ void print_table(const ConstellationOptions& o, const NamedMotion& truth, const 
   std::printf("constellation, %s: %s, %.1f s, %d readings a second, seed %llu\n\n", o.scenario.c_str(),
               truth.name.c_str(), to_seconds(truth.motion->duration()), o.rate_hz,
               static_cast<unsigned long long>(o.seed));
-  std::printf("  %-32s %15s %15s %9s %15s %11s %6s %6s\n", "", "position mm", "angle deg", "latency", "ranges",
-              "wrong let", "", "");
-  std::printf("  %-32s %7s %7s %7s %7s %9s %7s %7s %11s %6s %6s  %s\n", "case", "rms", "peak", "rms", "peak", "ms",
-              "heard", "gated", "in of", "NEES", "NIS", "named");
+  std::printf("  %-32s %15s %15s %9s %7s %23s %11s %13s\n", "", "position mm", "angle deg", "latency", "ranges",
+              "turned away", "wrong let", "consistency");
+  std::printf("  %-32s %7s %7s %7s %7s %9s %7s %7s %7s %7s %11s %6s %6s  %s\n", "case", "rms", "peak", "rms", "peak",
+              "ms", "heard", "echoes", "early", "good", "in of", "NEES", "NIS", "named");
   for (const ConstellationTrack& track : tracks) {
     const ConstellationRow& row = track.row;
     const std::string latency =
         track.latency.has_latency() ? text_of("%9.2f", track.latency.effective_latency_ms) : text_of("%9s", "-");
-    std::printf("  %-32s %7.2f %7.2f %7.3f %7.3f %s %7ld %7ld %5ld %5ld %6.2f %6.2f", row.name.c_str(),
+    std::printf("  %-32s %7.2f %7.2f %7.3f %7.3f %s %7ld %7ld %7ld %7ld %5ld %5ld %6.2f %6.2f", row.name.c_str(),
                 1e3 * row.position.rms(), 1e3 * row.position.peak(), degrees_per_rad * row.angle.rms(),
-                degrees_per_rad * row.angle.peak(), latency.c_str(), row.ranges, row.gated, row.corrupt_accepted,
-                row.corrupt, row.nees, row.nis);
+                degrees_per_rad * row.angle.peak(), latency.c_str(), row.ranges, row.turned_away.echo,
+                row.turned_away.early, row.turned_away.good, row.corrupt_accepted, row.corrupt, row.nees, row.nis);
     if (!track.gyro.empty()) std::printf("  gyro %s", track.gyro.c_str());
     if (!track.accelerometer.empty()) std::printf("  accelerometer %s", track.accelerometer.c_str());
     std::printf("\n");
   }
-  if (figures.empty()) return;
-  std::printf("\n  %-40s %-16s %s\n", "", "paper", "here");
-  for (const ConstellationFigure& f : figures) {
-    std::printf("  %-40s %-16s %s\n", f.what.c_str(), f.paper.c_str(), f.ours.c_str());
+  print_figures(figures);
+}
+
+void print_study(const ConstellationOptions& o, const ConstellationStudy& study) {
+  std::printf("constellation, %s: %s\n\n ", o.scenario.c_str(), study.about.c_str());
+  for (const auto& c : study.columns) std::printf(c.unit.empty() ? " %-*s" : " %*s", c.width, c.name.c_str());
+  std::printf("\n ");
+  for (const auto& c : study.columns) std::printf(" %*s", c.width, c.unit.c_str());
+  for (const auto& line : study.cells) {
+    std::printf("\n ");
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      const ConstellationStudy::Column& c = study.columns[i];
+      if (c.unit.empty()) {
+        std::printf(" %-*s", c.width, line[i].get<std::string>().c_str());
+      } else if (line[i].is_null()) {
+        std::printf(" %*s", c.width, "-");
+      } else {
+        std::printf(" %*.*f", c.width, c.digits, line[i].get<double>());
+      }
+    }
   }
+  std::printf("\n");
+  print_figures(study.figures);
+}
+
+void open_folder(std::optional<OutputFolder>& folder, const ConstellationOptions& o) {
+  if (o.out.empty()) return;
+  folder.emplace(o.out, OutputKind{.command = "swimlab track constellation",
+                                   .summary = "track.json",
+                                   .schema = "\"holdfast/track/1\"",
+                                   .files = {"report.html"}});
+}
+
+void write_results(std::optional<OutputFolder>& folder, const std::filesystem::path& json_file, const ResultJson& json,
+                   const ResultJson& page, const InterruptionWatch& interruption) {
+  const std::string text = io::json_text(json);
+  if (folder) {
+    io::write_whole_file(folder->path() / "track.json", text);
+    io::write_whole_file(folder->path() / "report.html", report_page(page));
+    interruption.check();
+    folder->commit();
+  }
+  if (!json_file.empty()) io::write_whole_file(json_file, text);
+}
+
+struct NamedStudy {
+  const char* scenario;
+  ConstellationStudy (*run)(const StudyOptions&, const InterruptionWatch&);
+  int trials;  ///< as a default
+};
+constexpr std::array studies{NamedStudy{"sensitivity", study_sensitivity, 50},
+                             NamedStudy{"acquisition", study_acquisition, 40}, NamedStudy{"mapping", study_mapping, 5}};
+
+const NamedStudy* study_named(const std::string& scenario) {
+  const auto found = std::ranges::find(studies, scenario, &NamedStudy::scenario);
+  return found == studies.end() ? nullptr : &*found;
+}
+
+int study(const ConstellationOptions& o, const NamedStudy& named) {
+  const std::filesystem::path json_file = checked_json_file(o.json);
+  std::optional<OutputFolder> folder;
+  open_folder(folder, o);
+  const InterruptionWatch interruption;
+  const ConstellationStudy study = named.run({o.seed, o.trials, o.seconds, o.rate_hz}, interruption);
+  ResultJson json = {{"schema", "holdfast/track/1"}, {"scenario", o.scenario}, {"seed", o.seed}, {"trials", o.trials}};
+  json["rows"] = study.rows;
+  json["paper"] = figures_json(study.figures);
+  write_results(folder, json_file, json, constellation_page({o.scenario, "", o.command, o.seconds}, study),
+                interruption);
+  print_study(o, study);
+  return done;
 }
 
 int track(const ConstellationOptions& o) {
   const std::filesystem::path json_file = checked_json_file(o.json);
   const NamedMotion truth = true_motion(o);
   std::optional<OutputFolder> folder;
-  if (!o.out.empty()) {
-    folder.emplace(o.out, OutputKind{.command = "swimlab track constellation",
-                                     .summary = "track.json",
-                                     .schema = "\"holdfast/track/1\"",
-                                     .files = {"report.html"}});
-  }
+  open_folder(folder, o);
   const InterruptionWatch interruption;
   const bool typical = o.scenario == "typical";
   const std::vector<ConstellationCase> cases = typical ? typical_cases(o) : fault_cases(o, *truth.motion);
@@ -296,43 +374,70 @@ int track(const ConstellationOptions& o) {
       figures = figures_of(tracks, errors_at_places(o, interruption));
     }
   }
-  const std::string json = io::json_text(track_json(o, truth, tracks, figures));
-  if (folder) {
-    io::write_whole_file(folder->path() / "track.json", json);
-    const ConstellationFacts facts{o.scenario, truth.name, o.command, to_seconds(truth.motion->duration())};
-    io::write_whole_file(folder->path() / "report.html", report_page(constellation_page(facts, tracks, figures)));
-    interruption.check();
-    folder->commit();
-  }
-  if (!json_file.empty()) io::write_whole_file(json_file, json);
+  const ConstellationFacts facts{o.scenario, truth.name, o.command, to_seconds(truth.motion->duration())};
+  write_results(folder, json_file, track_json(o, truth, tracks, figures), constellation_page(facts, tracks, figures),
+                interruption);
   print_table(o, truth, tracks, figures);
   return done;
 }
 
+/// Options of a scenario in which they would change nothing are refused.
+void refuse_unused(const ConstellationWords& words) {
+  const bool is_study = study_named(words.scenario) != nullptr, walks = words.scenario == "mapping";
+  const auto unused = [](const char* option, const std::string& value, const char* why) {
+    if (!value.empty()) refuse(option, "changes nothing", value, why);
+  };
+  if (is_study) {
+    const char* own =
+        walks ? "typical or faults: who maps has a walk of its own" : "typical or faults: nothing moves here";
+    unused("--motion", words.motion, own);
+    unused("--trajectory", words.trajectory, own);
+  } else {
+    unused("--trials", words.trials, "sensitivity, acquisition or mapping");
+  }
+  if (!is_study || walks) return;
+  unused("--seconds", words.seconds, "typical, faults or mapping");
+  unused("--rate", words.rate, "typical, faults or mapping");
+}
+
 ConstellationOptions checked(const ConstellationWords& words) {
   ConstellationOptions o;
-  if (words.scenario != "typical" && words.scenario != "faults") {
-    refuse("--scenario", "unknown", words.scenario, "typical or faults");
+  const NamedStudy* study = study_named(words.scenario);
+  if (words.scenario != "typical" && words.scenario != "faults" && study == nullptr) {
+    refuse("--scenario", "unknown", words.scenario, "typical, faults, sensitivity, acquisition or mapping");
   }
+  const auto or_else = [](const std::string& word, const char* otherwise) { return word.empty() ? otherwise : word; };
+  o.motion = or_else(words.motion, "walk-around");
   constexpr std::array motions{"still", "walk-around", "rotation", "swing"};
-  if (std::ranges::find(motions, words.motion) == motions.end()) {
-    refuse("--motion", "unknown", words.motion, "still, walk-around, rotation or swing");
+  if (std::ranges::find(motions, o.motion) == motions.end()) {
+    refuse("--motion", "unknown", o.motion, "still, walk-around, rotation or swing");
   }
+  refuse_unused(words);
+  const bool walks = words.scenario == "mapping";
+  const std::string seconds = or_else(words.seconds, walks ? "120" : "30"), rate = or_else(words.rate, "500");
   o.scenario = words.scenario;
-  o.motion = words.motion;
-  o.seconds = number_of("--seconds", words.seconds, 4.0, 600.0, "seconds, 4 to 600");
-  o.rate_hz = static_cast<int>(number_of("--rate", words.rate, 100.0, 2000.0, "readings a second, 100 to 2000"));
+  o.seconds = walks ? number_of("--seconds", seconds, 20.0, 600.0, "seconds, 20 to 600")
+                    : number_of("--seconds", seconds, 4.0, 600.0, "seconds, 4 to 600");
+  o.rate_hz = static_cast<int>(number_of("--rate", rate, 100.0, 2000.0, "readings a second, 100 to 2000"));
   o.seed = seed_of(words.seed);
   o.up_R = up_axis(words.up);
   o.trajectory = words.trajectory;
   o.json = words.json;
   o.out = words.out;
   o.lenient = words.lenient;
-  o.command = "swimlab track constellation --scenario " + words.scenario +
-              (words.trajectory.empty() ? " --motion " + words.motion
-                                        : " --trajectory " + words.trajectory + " --up " + words.up) +
-              (words.lenient ? " --lenient" : "") + " --seconds " + words.seconds + " --seed " + words.seed +
-              " --rate " + words.rate;
+  o.command = "swimlab track constellation --scenario " + words.scenario;
+  if (study != nullptr) {
+    const std::string trials = or_else(words.trials, std::to_string(study->trials).c_str());
+    o.trials = static_cast<int>(number_of("--trials", trials, 1.0, 1000.0, "1 to 1000"));
+    o.command += " --trials " + trials;
+  } else {
+    o.command +=
+        words.trajectory.empty() ? " --motion " + o.motion : " --trajectory " + words.trajectory + " --up " + words.up;
+    if (words.lenient) o.command += " --lenient";
+  }
+  if (study == nullptr || walks) o.command += " --seconds " + seconds;
+  o.command += " --seed " + words.seed;
+  if (study == nullptr || walks) o.command += " --rate " + rate;
   return o;
 }
 
@@ -343,25 +448,37 @@ void add_track_constellation_command(CLI::App& track_app, int& exit_code) {
       "constellation",
       "Inertial sensors corrected by ultrasonic ranges to beacons, simulated (Foxlin and others, 1998)");
   const auto words = std::make_shared<ConstellationWords>();
-  app.add_option("--scenario", words->scenario,
-                 "typical: errors of the paper's table 1, and 30 % of ranges wrong; faults: "
-                 "what happens to the inertial unit; default typical")
+  app.add_option(
+         "--scenario", words->scenario,
+         "typical: errors of the paper's table 1, and 30 % of ranges wrong; faults: what happens to the "
+         "inertial unit; sensitivity: what each error does to a position; acquisition: poses from ranges alone; "
+         "mapping: beacons found by walking about; default typical")
       ->type_name("WORD");
   app.add_option("--motion", words->motion, "still, walk-around, rotation or swing; default walk-around")
       ->type_name("WORD");
   app.add_option("--trajectory", words->trajectory, "Recorded motion in place of it: TUM, EuRoC or CSV")
       ->type_name("FILE");
   app.add_option("--up", words->up, "The recording's axis that points up: x, y or z; default y");
-  app.add_option("--seconds", words->seconds, "At most so much of the motion; default 30");
+  app.add_option("--seconds", words->seconds, "At most so much of the motion; default 30, mapping 120");
   app.add_option("--seed", words->seed, "Of beacons, noise and generated motion; default 1")->type_name("N");
   app.add_option("--rate", words->rate, "Inertial readings a second; default 500")->type_name("HZ");
+  app.add_option(
+         "--trials", words->trials,
+         "Installations of sensitivity (default 50), tries of acquisition for each of five seeds (40), rooms of "
+         "mapping (5)")
+      ->type_name("N");
   app.add_option("--json", words->json, "Write the results also to this file")->type_name("FILE");
   app.add_option("--out", words->out, "Folder for report.html and track.json")->type_name("DIR");
   app.add_flag("--lenient", words->lenient, "Drop and count bad rows of a recording instead of stopping");
   app.footer(
-      "Example:\n  swimlab track constellation --motion swing --json track.json\n"
+      "Examples:\n  swimlab track constellation --motion swing --json track.json\n"
+      "  swimlab track constellation --scenario mapping --out out/mapping\n"
       "Exit code: 0 done, 2 wrong use or unreadable input.");
-  app.callback([words, &exit_code] { exit_code = track(checked(*words)); });
+  app.callback([words, &exit_code] {
+    const ConstellationOptions o = checked(*words);
+    const NamedStudy* named = study_named(o.scenario);
+    exit_code = named != nullptr ? study(o, *named) : track(o);
+  });
 }
 
 }  // namespace swimlab

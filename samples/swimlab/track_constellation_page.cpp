@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -20,29 +21,47 @@ ResultJson rounded(double value, double step) {
   return io::number_or_null(step * std::round(value / step));
 }
 
-ResultJson table(const std::vector<ConstellationTrack>& tracks) {
-  ResultJson json = {{"label", "Cases"},
-                     {"columns",
-                      {{{"name", "Case"}, {"text", true}},
-                       {{"name", "Position RMS"}, {"unit", "mm"}},
-                       {{"name", "peak"}, {"unit", "mm"}},
-                       {{"name", "Angle RMS"}, {"unit", "deg"}},
-                       {{"name", "peak"}, {"unit", "deg"}},
-                       {{"name", "Effective latency"}, {"unit", "ms"}},
-                       {{"name", "Turned away"}, {"unit", "%"}},
-                       {{"name", "Wrong let in"}},
-                       {{"name", "Named"}, {"text", true}}}},
-                     {"rows", ResultJson::array()}};
+/// What the scenario is about: the faults that were named, or the ranges that were turned away.
+ResultJson table(const std::vector<ConstellationTrack>& tracks, bool faults) {
+  ResultJson json = {
+      {"label", "Cases"}, {"columns", {{{"name", "Case"}, {"text", true}}}}, {"rows", ResultJson::array()}};
+  const auto column = [&](const char* name, const char* unit) {
+    json["columns"].push_back({{"name", name}, {"unit", unit}});
+  };
+  if (faults) json["columns"].push_back({{"name", "Named"}, {"text", true}});
+  column("Position RMS", "mm");
+  column("peak", "mm");
+  column("Angle RMS", "deg");
+  column("peak", "deg");
+  column("Latency", "ms");
+  if (!faults) {
+    column("Turned away", "echoes");
+    column("", "early");
+    column("", "good");
+    column("Let in", "wrong");
+    column("NEES", "");
+    column("NIS", "");
+  }
   for (const ConstellationTrack& track : tracks) {
     const ConstellationRow& row = track.row;
     std::string named = track.gyro.empty() ? "" : "gyro: " + track.gyro;
     if (!track.accelerometer.empty()) named += (named.empty() ? "" : ", ") + ("accelerometer: " + track.accelerometer);
-    json["rows"].push_back({row.name, rounded(1e3 * row.position.rms(), 0.01), rounded(1e3 * row.position.peak(), 0.01),
-                            rounded(degrees_per_rad * row.angle.rms(), 0.001),
-                            rounded(degrees_per_rad * row.angle.peak(), 0.001),
-                            track.latency.has_latency() ? rounded(track.latency.effective_latency_ms, 0.01) : nullptr,
-                            rounded(100.0 * static_cast<double>(row.gated) / static_cast<double>(row.ranges), 0.1),
-                            row.corrupt_accepted, named});
+    ResultJson line = ResultJson::array({row.name});
+    if (faults) line.push_back(named);
+    line.push_back(rounded(1e3 * row.position.rms(), 0.01));
+    line.push_back(rounded(1e3 * row.position.peak(), 0.01));
+    line.push_back(rounded(degrees_per_rad * row.angle.rms(), 0.001));
+    line.push_back(rounded(degrees_per_rad * row.angle.peak(), 0.001));
+    line.push_back(track.latency.has_latency() ? rounded(track.latency.effective_latency_ms, 0.01) : nullptr);
+    if (!faults) {
+      for (const long count :
+           {row.turned_away.echo, row.turned_away.early, row.turned_away.good, row.corrupt_accepted}) {
+        line.push_back(count);
+      }
+      line.push_back(rounded(row.nees, 0.01));
+      line.push_back(rounded(row.nis, 0.01));
+    }
+    json["rows"].push_back(std::move(line));
   }
   return json;
 }
@@ -70,26 +89,32 @@ ResultJson error_chart(const std::vector<ConstellationTrack>& tracks) {
   return chart;
 }
 
-/// The paper's figures beside ours, as a picture: the page has room for one table.
-ResultJson figures_picture(const std::vector<ConstellationFigure>& figures) {
-  constexpr double line = 30.0;
-  std::string svg = text_of(
-      "<svg xmlns='http://www.w3.org/2000/svg' width='800' height='%.0f' font-family='sans-serif' font-size='14'>"
-      "<rect width='100%%' height='100%%' fill='white'/>",
-      line * static_cast<double>(figures.size() + 2));
-  double y = line;
-  const auto row = [&](const std::string& what, const std::string& paper, const std::string& ours, const char* look) {
-    svg += text_of("<g fill='%s'><text x='20' y='%.0f'>%s</text><text x='440' y='%.0f'>%s</text>", look, y,
-                   what.c_str(), y, paper.c_str());
-    svg += text_of("<text x='600' y='%.0f'>%s</text></g>", y, ours.c_str());
-    y += line;
-  };
-  row("", "paper", "here", "#666");
-  for (const ConstellationFigure& figure : figures) row(figure.what, figure.paper, figure.ours, "#222");
-  return {
-      {"title", "The paper's figures, and ours"},
-      {"svg", svg + "</svg>"},
-      {"caption", "Foxlin, Harrington and Pfeifer measured a tracker; ours is simulated with their errors (table 1)."}};
+/// The paper's figures beside ours.
+ResultJson figures_table(const std::vector<ConstellationFigure>& figures, const char* caption) {
+  ResultJson json = {{"title", "The paper's figures, and ours"},
+                     {"caption", caption},
+                     {"label", "The paper's figures beside ours"},
+                     {"columns",
+                      {{{"name", "What"}, {"text", true}, {"narrow", true}},
+                       {{"name", "Paper"}, {"text", true}, {"narrow", true}},
+                       {{"name", "Here"}, {"text", true}, {"narrow", true}}}},
+                     {"rows", ResultJson::array()}};
+  for (const ConstellationFigure& figure : figures) json["rows"].push_back({figure.what, figure.paper, figure.ours});
+  return json;
+}
+
+ResultJson study_table(const ConstellationStudy& study) {
+  ResultJson json = {{"label", "Results"}, {"columns", ResultJson::array()}, {"rows", study.cells}};
+  for (const ConstellationStudy::Column& column : study.columns) {
+    ResultJson head = {{"name", column.name}};
+    if (column.unit.empty()) {
+      head["text"] = true;
+    } else {
+      head["unit"] = column.unit;
+    }
+    json["columns"].push_back(std::move(head));
+  }
+  return json;
 }
 
 }  // namespace
@@ -98,18 +123,45 @@ ResultJson constellation_page(const ConstellationFacts& facts, const std::vector
                               const std::vector<ConstellationFigure>& figures) {
   ResultJson page;
   page["eyebrow"] = "tracking by sound and inertia";
+  const bool faults = facts.scenario == "faults";
+  double peak_m = 0.0;
+  for (const ConstellationTrack& track : tracks) peak_m = std::max(peak_m, track.row.position.peak());
   page["title"] =
-      text_of("Under eight beacons the track is %.1f mm off (RMS)", 1e3 * tracks.front().row.position.rms());
+      faults ? text_of("Whatever fails, the track stays within %.0f mm", 1e3 * peak_m)
+             : text_of("Under eight beacons the track is %.1f mm off (RMS)", 1e3 * tracks.front().row.position.rms());
   page["paragraphs"] = {
       "Gyros and accelerometers on the head are integrated, and each reading's pose goes out at once. Beacons on the "
       "ceiling click one after another; the time that sound takes to three microphones gives ranges, and each range by "
       "itself corrects what the integrals have gathered.",
-      text_of("Simulated: %s, %.0f s. Errors are counted after 2 s, at each reading, against the truth.",
-              facts.motion.c_str(), facts.seconds)};
-  page["table"] = table(tracks);
+      text_of("Simulated: %s, %.0f s. Errors are counted after 2 s, at each reading, against the truth. Latency is the "
+              "effective one. ",
+              facts.motion.c_str(), facts.seconds) +
+          (faults ? "A fault lasts for the middle third. Each of the six axes is judged by itself; what is not "
+                    "believed is "
+                    "stood in for, with the uncertainty of a head that may do anything."
+                  : "NEES and NIS compare errors with what the filter believes, 1 is honest; a run of one installation "
+                    "says little of it. NIS is of the ranges that were let in.")};
+  page["table"] = table(tracks, faults);
   page["charts"] = ResultJson::array({error_chart(tracks)});
   page["pictures"] = ResultJson::array();
-  if (!figures.empty()) page["pictures"].push_back(figures_picture(figures));
+  if (!figures.empty()) {
+    page["tables"] = {figures_table(figures,
+                                    "Foxlin, Harrington and Pfeifer measured a tracker; ours is simulated with their "
+                                    "errors (table 1).")};
+  }
+  page["command"] = facts.command;
+  return {{"page", page}};
+}
+
+ResultJson constellation_page(const ConstellationFacts& facts, const ConstellationStudy& study) {
+  ResultJson page;
+  page["eyebrow"] = "tracking by sound and inertia";
+  page["title"] = study.title;
+  page["paragraphs"] = study.paragraphs;
+  page["table"] = study_table(study);
+  page["charts"] = study.charts;
+  page["tables"] = {figures_table(study.figures, "Foxlin, Harrington and Pfeifer (1998), and this simulation.")};
+  page["pictures"] = ResultJson::array();
   page["command"] = facts.command;
   return {{"page", page}};
 }

@@ -292,6 +292,11 @@ class Constellation(Case):
         self.assertLess(good["position_mm"]["rms"], 8)
         self.assertLess(bad["position_mm"]["rms"], 1.5 * good["position_mm"]["rms"])
         self.assertLess(bad["wrong_accepted"], 0.05 * bad["wrong"])
+        for row in rows.values():
+            self.assertEqual(sum(row["gated_by_cause"].values()), row["gated"])
+        away = bad["gated_by_cause"]
+        self.assertEqual(away["echo"] + away["early"], bad["wrong"] - bad["wrong_accepted"])
+        self.assertLess(bad["nis"], 1.2)  # of what the gate let in
         self.assertLess(good["effective_latency_ms"], 2.5)
         self.assertEqual(rows["ranges alone"]["method"], "ranges_alone")
         self.assertEqual(good["named"], {"gyro": None, "accelerometer": None})
@@ -315,9 +320,70 @@ class Constellation(Case):
 
     def test_refusals(self):
         self.refused(["track", "constellation", "--motion", "hop"], "--motion", "hop", "still, walk-around")
-        self.refused(["track", "constellation", "--scenario", "all"], "--scenario", "typical or faults")
+        self.refused(["track", "constellation", "--scenario", "all"], "--scenario", "typical, faults, sensitivity, acquisition or mapping")
+        self.refused(["track", "constellation", "--scenario", "sensitivity", "--motion", "swing"], "--motion", "nothing moves here")
+        self.refused(["track", "constellation", "--scenario", "acquisition", "--rate", "400"], "--rate", "typical, faults or mapping")
+        self.refused(["track", "constellation", "--scenario", "mapping", "--trajectory", "a.tum"], "--trajectory", "a walk of its own")
+        self.refused(["track", "constellation", "--trials", "3"], "--trials", "sensitivity, acquisition or mapping")
+        self.refused(["track", "constellation", "--scenario", "mapping", "--trials", "0"], "--trials", "1 to 1000")
         self.refused(["track", "constellation", "--rate", "5"], "--rate", "100 to 2000")
         self.refused(["track", "constellation", "--trajectory", "no.tum"], "no.tum")
+
+
+class ConstellationStudies(Case):
+    def study(self, scenario, *options):
+        told = self.done("track", "constellation", "--scenario", scenario, *options, "--out", "out")
+        result = strict_json((self.dir / "out/track.json").read_text())
+        self.assertEqual((result["schema"], result["scenario"]), ("holdfast/track/1", scenario))
+        self.assertIn(f"constellation, {scenario}:", told)
+        for row in result["rows"]:
+            for key in ["method", "case", "three_point_mm", "position_mm", "angle_deg", "updates", "accepted", "gated",
+                        "microseconds_per_update", "beacon_error_mm"]:
+                self.assertIn(key, row)
+        for figure in result["paper"]:
+            self.assertIn(figure["ours"], told)
+        page = page_of(self.dir / "out/report.html")
+        self.assertIn(f"--scenario {scenario} --trials", page["command"])
+        self.assertEqual([row[2] for row in page["tables"][0]["rows"]], [figure["ours"] for figure in result["paper"]])
+        for row in page["table"]["rows"]:
+            self.assertEqual(len(row), len(page["table"]["columns"]))
+        for chart in page["charts"]:
+            for row in chart["rows"]:
+                self.assertEqual(len(row["values"] if "bars" in chart else row[1:]), len(chart["series"]))
+            for text in [chart["title"], chart["caption"], chart["x"]["label"], chart["x"]["unit"]]:
+                self.assertTrue(text)
+        return result["rows"], page
+
+    def test_sensitivity_is_the_papers_figure_7(self):
+        rows, page = self.study("sensitivity", "--trials", "10")
+        mean = {(row["case"], row["height_m"]): row["position_mm"]["mean"] for row in rows}
+        self.assertEqual(len(mean), 7 * 11)
+        for height in [0, 0.5, 1, 1.5, 2, 2.5]:
+            self.assertTrue(2 <= mean["table_1", height] <= 5)
+            self.assertLess(mean["improved_compensation", height], mean["table_1", height])
+        self.assertLess(sum(mean["improved_compensation", h / 4] for h in range(11)) / 11, 2)
+        self.assertEqual([chart["id"] for chart in page["charts"]], ["errors", "improved", "resolution"])
+
+    def test_acquisition_is_never_false(self):
+        rows, page = self.study("acquisition", "--trials", "3", "--seed", "3")
+        self.assertEqual([(row["codes"], row["wrong_pct"]) for row in rows],
+                         [(codes, wrong) for codes in [16, 8] for wrong in [0, 15, 30]])
+        for row in rows:
+            self.assertEqual(row["updates"], 15)
+            self.assertEqual(row["accepted"] + row["ambiguous"] + row["no_pose"], 15)
+            self.assertEqual(row["false_poses"], 0)
+            if row["wrong_pct"] == 0:
+                self.assertGreaterEqual(row["accepted"], 14)
+                self.assertLess(row["position_mm"]["peak"], 50)
+
+    def test_mapping_ends_within_5_mm(self):
+        rows, page = self.study("mapping", "--trials", "1", "--seconds", "60")
+        self.assertEqual([row["case"] for row in rows], ["noise", "improved_compensation", "table_1", "three_in_ten_wrong"])
+        for row in rows:
+            self.assertEqual(row["installed"], 9)
+            self.assertLess(row["worst_mm"], 5)
+            self.assertLess(row["beacon_error_mm"]["after"], row["beacon_error_mm"]["before"])
+            self.assertEqual(len(row["beacons"]), 9)
 
 
 class Ranges(Case):

@@ -216,7 +216,7 @@ void add_calibrate_command(CLI::App& app, int& exit_code) {
   inertial_app.add_option("--prediction-ms", given->prediction_ms, "Time over which readings are integrated (100)");
   inertial_app.add_option("--longest-offset-ms", given->longest_ms, "Time offsets are sought within this (250)");
   inertial_app.add_flag("--lenient", given->lenient, "Drop and count bad rows instead of stopping");
-  inertial_app.add_option("--json", given->json, "Write the results also to this file")->type_name("FILE");
+  add_json(inertial_app, given->json);
   inertial_app.footer("Example:\n  swimlab calibrate inertial --poses head.tum --imu imu.csv --json calibration.json");
   inertial_app.callback([given, &exit_code] {
     CalibrateOptions o;

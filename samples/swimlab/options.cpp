@@ -177,11 +177,11 @@ RunOptions checked(const RunWords& words, const std::string& command_line) {
   return o;
 }
 
+}  // namespace
+
 void add_json(CLI::App& command, std::string& json) {
   command.add_option("--json", json, "Write the results also to this file")->type_name("FILE");
 }
-
-}  // namespace
 
 CLI::Option* add_words(CLI::App& command, const std::string& name, Words& words, const std::string& help) {
   // Cut at commas here: the command-line library would drop empty words, and with them a mistyped value.

@@ -71,6 +71,9 @@ using Words = std::vector<std::string>;
 /// An option that takes WORD,WORD,... and may be repeated; empty words are kept, to be refused.
 CLI::Option* add_words(CLI::App& command, const std::string& name, Words& words, const std::string& help);
 
+/// --json FILE.
+void add_json(CLI::App& command, std::string& json);
+
 /// The subcommands' options; the returned callables check them when the command line is read, and run the command.
 void add_run_command(CLI::App& app, const std::string& command_line, int& exit_code);
 void add_predict_command(CLI::App& app, const std::string& command_line, int& exit_code);

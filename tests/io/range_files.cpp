@@ -83,9 +83,18 @@ TEST_CASE("units in the names are heeded") {
   CHECK(ranges[0].t.time_since_epoch().count() == 250'000'001);
   CHECK(ranges[0].range_m == doctest::Approx(1.5).epsilon(1e-15));
   CHECK(io::parse_ranges("t_ms,anchor,range\n250,3,1\n", "r.csv", two_anchors)[0].t == time_at(0.25));
-  check_says(inertial_complaint("t,gx_deg_s,gy,gz,ax,ay,az\n0,0,0,0,0,0,0\n"),
-             {"i.csv:1", "gx_deg_s", "degrees", "gx_rad_s"});
-  check_says(inertial_complaint("t,gx,gy,gz,ax_g,ay,az\n0,0,0,0,0,0,0\n"), {"i.csv:1", "ax_g", "gravity", "ax_m_s2"});
+  for (const std::string column : {"gx_deg_s", "gx [deg/s]", "gx (degrees per second)", "gx [mrad/s]", "gx_dps"}) {
+    check_says(inertial_complaint("t," + column + ",gy,gz,ax,ay,az\n0,0,0,0,0,0,0\n"),
+               {"i.csv:1", column, "not in rad/s", "gx_rad_s"});
+  }
+  for (const std::string column : {"ax_g", "ax [g]", "ax (mg)", "ax [cm/s^2]", "ax [mm s^-2]"}) {
+    check_says(inertial_complaint("t,gx,gy,gz," + column + ",ay,az\n0,0,0,0,0,0,0\n"),
+               {"i.csv:1", column, "not in m/s^2", "ax_m_s2"});
+  }
+  const auto right =
+      io::parse_inertial("t [s],gx [rad/s],gy (rad/s),gz,ax [m/s^2],ay (m/s2),az\n0,1,2,3,4,5,6\n", "i.csv");
+  CHECK(right[0].rate_B == Vector3(1.0, 2.0, 3.0));
+  CHECK(right[0].force_B == Vector3(4.0, 5.0, 6.0));
 }
 
 TEST_CASE("bad input names file, line, column, value and expectation") {

@@ -6,9 +6,10 @@
 /// as, for instance, t_s,gyr_x_rad_s,gyr_y,gyr_z,acc_x_m_s2,acc_y,acc_z; or a EuRoC file: #timestamp [ns],w_RS_S_x [rad
 /// s^-1], ... Times do not decrease.
 /// Bad input: an InputError that names file, line, column, what was found and what was expected: rates in degrees and
-/// forces in units of gravity, where the header says so, too.
+/// forces in units of gravity, where the header says so, too; and any other unit in brackets.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <initializer_list>
@@ -36,17 +37,37 @@ namespace detail {
   return newest = t;
 }
 
+using UnitWords = std::initializer_list<std::string_view>;
+
+/// Whether a column's name says another unit than it should. In brackets stands a unit, of which every word has to be
+/// among `right`; elsewhere a word that is among `wrong` is one.
+[[nodiscard]] inline bool is_of_other_unit(std::string_view name, UnitWords right, UnitWords wrong) {
+  const auto is_among = [](std::string_view word, UnitWords words) {
+    return std::find(words.begin(), words.end(), word) != words.end();
+  };
+  std::string word;
+  bool in_brackets = false;
+  for (const char c : std::string(name) + ' ') {
+    const char lower = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    if ((lower >= 'a' && lower <= 'z') || is_digit(c)) {
+      word += lower;
+      continue;
+    }
+    if (!word.empty() && (in_brackets ? !is_among(word, right) : is_among(word, wrong))) return true;
+    word.clear();
+    if (c == '[' || c == '(') in_brackets = true;
+    if (c == ']' || c == ')') in_brackets = false;
+  }
+  return false;
+}
+
 [[nodiscard]] inline std::array<NamedColumn, 3> axes_columns(const NamedColumns& rows,
                                                              std::initializer_list<std::string_view> words,
-                                                             std::initializer_list<std::string_view> refused_units,
+                                                             UnitWords right_units, UnitWords wrong_units,
                                                              const std::string& problem) {
   const std::array columns{rows.axis_column(words, 'x'), rows.axis_column(words, 'y'), rows.axis_column(words, 'z')};
   for (const NamedColumn& column : columns) {
-    for (const std::string& word : column.parts.words) {
-      for (const std::string_view unit : refused_units) {
-        if (word == unit) rows.refuse_header(column.name, problem);
-      }
-    }
+    if (is_of_other_unit(column.name, right_units, wrong_units)) rows.refuse_header(column.name, problem);
   }
   return columns;
 }
@@ -61,8 +82,10 @@ struct InertialFile {
 [[nodiscard]] inline InertialFile parse_inertial(std::string_view text, const std::string& file, ReadMode mode) {
   detail::NamedColumns rows(text, file, "t_s,gx_rad_s,gy_rad_s,gz_rad_s,ax_m_s2,ay_m_s2,az_m_s2");
   const detail::NamedColumn t = detail::time_column(rows);
-  const auto rate = detail::axes_columns(rows, {"g", "gyr", "gyro", "w", "omega"}, {"deg", "dps"}, "is in degrees");
-  const auto force = detail::axes_columns(rows, {"a", "acc", "accel"}, {"g", "mg"}, "is in units of gravity");
+  const auto rate = detail::axes_columns(rows, {"g", "gyr", "gyro", "w", "omega"}, {"rad", "s", "sec", "1", "per"},
+                                         {"deg", "degree", "degrees", "dps", "mdps", "mrad", "rpm"}, "is not in rad/s");
+  const auto force = detail::axes_columns(rows, {"a", "acc", "accel"}, {"m", "s", "sec", "s2", "2", "per"},
+                                          {"g", "mg", "ug", "gs", "cm", "mm", "gal"}, "is not in m/s^2");
   InertialFile result;
   HostTime newest = HostTime::min();
   for (bool more = true; more;) {

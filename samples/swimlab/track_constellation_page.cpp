@@ -46,6 +46,7 @@ ResultJson table(const std::vector<ConstellationTrack>& tracks, bool faults) {
     const ConstellationRow& row = track.row;
     std::string named = track.gyro.empty() ? "" : "gyro: " + track.gyro;
     if (!track.accelerometer.empty()) named += (named.empty() ? "" : ", ") + ("accelerometer: " + track.accelerometer);
+    if (track.gyro == track.accelerometer && !named.empty()) named = "both: " + track.gyro;
     ResultJson line = ResultJson::array({row.name});
     if (faults) line.push_back(named);
     line.push_back(rounded(1e3 * row.position.rms(), 0.01));

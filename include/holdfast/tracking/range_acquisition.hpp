@@ -4,8 +4,9 @@
 /// has this combination of beacons suggests poses (range_hypotheses.hpp); every other range is asked, and the pose that most
 /// agree with wins (range_verdict.hpp). A rival with as many, or nearly, means ambiguous. A tuple with wrong ranges (an echo, an
 /// early pulse) finds no such pose, and the next one has its turn.
-/// Four codes are needed: three spheres meet in two points whatever their radii, so that three ranges to a receiver contradict
-/// nothing; the fourth is what tells a wrong place, or a wrong range, from the right one.
+/// Four codes are needed: each receiver is placed by itself, and three spheres meet in two points whatever their radii, so that
+/// three ranges to it contradict nothing; the fourth tells a wrong place, or a wrong range, from the right one. (Three receivers
+/// together and the vertical would contradict too, enough for three beacons with codes of their own; that is not done.)
 /// Orientation needs three receivers that are not in one line, or two and the vertical, or one with vertical and heading.
 /// Codes that no beacon of the constellation has are left out. Ranges count as simultaneous; `sigma_m` must cover motion,
 /// and systematic errors. Allocates: for once, not for every frame.

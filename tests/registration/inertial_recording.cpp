@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <random>
 
 #include <doctest/doctest.h>
@@ -20,8 +21,8 @@ PredictorEvaluation evaluated(const std::vector<TimedPose>& poses, const std::ve
   settings.inertial = readings;
   const PredictorEvaluation e = evaluate_predictors(poses, truth, settings);
   for (const PredictorRow& row : e.rows) {
-    MESSAGE(std::string(what) << std::string(row.predictor) << ": " << row.angle_deg.mean << " deg, " << row.position_mm.mean
-                 << " mm, " << row.inside_95_pct.value_or(0.0) << " % inside");
+    MESSAGE(std::string(what) << std::string(row.predictor) << ": " << row.angle_deg.mean << " deg, "
+                              << row.position_mm.mean << " mm, " << row.inside_95_pct.value_or(0.0) << " % inside");
   }
   return e;
 }
@@ -61,4 +62,26 @@ TEST_CASE("the head recording at 60 ms: inertial sensors help, most where poses 
   CHECK(2.5 * bad.rows.back().position_mm.mean < bad.rows[2].position_mm.mean);
   CHECK(bad.rows.back().inside_95_pct.value() > 90.0);
   CHECK(bad.rows.back().inside_95_pct.value() < 98.0);
+}
+
+TEST_CASE("predicted covariances are honest on slow and noisy recordings, too, at short intervals") {
+  for (const char* name : {"head/quest2_traj1_robot_truth_30hz.tum", "head/quest2_traj1_headset_72hz.tum"}) {
+    const std::filesystem::path file = std::filesystem::path(HOLDFAST_RECORDINGS) / name;
+    if (!std::filesystem::exists(file)) {
+      MESSAGE("skipped: no recording at " << file.string());
+      continue;
+    }
+    const auto samples = io::read_trajectory(file).samples;
+    const auto readings = simulate_inertial(samples);
+    for (const int ms : {20, 40}) {
+      EvaluationSettings settings;
+      settings.interval = std::chrono::milliseconds(ms);
+      settings.inertial = readings;
+      const PredictorEvaluation e = evaluate_predictors(samples, settings);
+      const double inside = e.rows.back().inside_95_pct.value();
+      MESSAGE(std::string(name) << ", " << ms << " ms: " << inside << " % inside");
+      CHECK(inside > 90.0);
+      CHECK(inside < 98.0);
+    }
+  }
 }

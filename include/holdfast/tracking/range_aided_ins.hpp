@@ -31,11 +31,12 @@
 
 #include <holdfast/motion/timed_pose.hpp>
 #include <holdfast/tracking/coded_range.hpp>
+#include <holdfast/tracking/felt_gravity.hpp>
 #include <holdfast/tracking/inertial_axes.hpp>
 #include <holdfast/tracking/innovation_gate.hpp>
 #include <holdfast/tracking/range.hpp>
 #include <holdfast/tracking/range_aided_settings.hpp>
-#include <holdfast/tracking/strapdown_covariance.hpp>
+#include <holdfast/tracking/strapdown_pose.hpp>
 #include <holdfast/tracking/time_of_flight.hpp>
 
 namespace holdfast {
@@ -44,7 +45,7 @@ class RangeAidedIns {
  public:
   RangeAidedIns(std::span<const CodedBeacon> beacons, std::span<const RangeReceiver> receivers,
                 const RangeAidedInsSettings& settings = {})
-      : settings_(settings), gate_(settings.gate), axes_(settings.ranges), history_(256) {
+      : settings_(settings), gate_(settings.gate), axes_(settings.ranges), history_(256), gravity_(settings.gravity_W) {
     HOLDFAST_ASSERT(!beacons.empty() && !receivers.empty(), "ranges need a beacon and a receiver");
     HOLDFAST_ASSERT(settings.rate_noise > 0.0 && settings.force_noise > 0.0 && settings.range_noise_m > 0.0,
                     "sensors without noise");
@@ -77,7 +78,7 @@ class RangeAidedIns {
     gate_ = InnovationGate(settings_.gate);
     history_.clear();
     believed_ = {Vector3::Zero(), Vector3::Zero()};
-    felt_W_ = felt_slowly_W_ = -settings_.gravity_W;
+    gravity_.restart();
     now_ = state_;
     aided_ = pose.t;
     started_ = true;
@@ -145,34 +146,14 @@ class RangeAidedIns {
     const Matrix3 R = state_.X_WS.R();
     carry_covariance(P, step, R, believed_);
     add_noise(P, step.seconds, R, noise());
-    const Matrix3 R_now = now_.X_WS.R();
-    const Vector3 rate_B = step.rate_end_B;
-    const Vector3 swing_B = rate_B.cross(now_.lever_B);
-    const Matrix3 R_lever = R_now * so3::hat<double>(now_.lever_B);
-    MatrixOf<double, 12, strapdown_error_size> J = MatrixOf<double, 12, strapdown_error_size>::Zero();
-    J.block<3, 3>(0, InertialState::place).setIdentity();
-    J.block<3, 3>(0, InertialState::turn) = R_lever;
-    J.block<3, 3>(3, InertialState::turn).setIdentity();
-    J.block<3, 3>(6, InertialState::velocity).setIdentity();
-    J.block<3, 3>(6, InertialState::turn) = R_now * so3::hat<double>(swing_B);
-    J.block<3, 3>(6, InertialState::rate_bias) = -R_lever;
-    J.block<3, 3>(9, InertialState::rate_bias) = -Matrix3::Identity();
-    PoseEstimate estimate;
-    estimate.t = now_.t;
-    estimate.X_WB = now_.X_WB();
-    estimate.velocity = Twist{now_.v_WS - now_.X_WS.q() * swing_B, rate_B};
-    MatrixOf<double, 12, strapdown_error_size> JP;
-    JP.noalias() = J.lazyProduct(P);
-    estimate.covariance.noalias() = JP.lazyProduct(J.transpose());
-    estimate.covariance = 0.5 * (estimate.covariance + estimate.covariance.transpose()).eval();
-    return estimate;
+    return strapdown_pose(now_, P, step.rate_end_B);
   }
 
   [[nodiscard]] RangeAidedInsStatus status() const {
     RangeAidedInsStatus status;
     status.gyro = axes_.triad_fault(0, newest_);
     status.accelerometer = axes_.triad_fault(3, newest_);
-    if (wrong_gravity_ && status.accelerometer == SensorFault::none) {
+    if (gravity_.is_wrong() && status.accelerometer == SensorFault::none) {
       status.accelerometer = SensorFault::wrong_gravity;
     }
     if (history_.empty()) status.gyro = status.accelerometer = SensorFault::disconnected;
@@ -225,9 +206,9 @@ class RangeAidedIns {
     if (believed.force == Vector3::Ones()) {
       judge_gravity(reading);
     } else {
-      felt_W_ = felt_slowly_W_ = -settings_.gravity_W;
+      gravity_.restart();
     }
-    if (wrong_gravity_) believed.force.setZero();
+    if (gravity_.is_wrong()) believed.force.setZero();
     if (history_.empty()) {
       if (reading.t > state_.t) carry(reading.t);
     } else if (believed == believed_) {
@@ -272,24 +253,14 @@ class RangeAidedIns {
   }
   void add_variance(int i, double deviation) { P_(i, i) += deviation * deviation; }
 
-  /// A body that stays in a room feels, on average, gravity's opposite: within 0.2 s roughly, within 2 s rather well.
   void judge_gravity(const InertialReading& reading) {
-    constexpr double fast_s = 0.2, slow_s = 2.0, fast_limit = 4.0, slow_limit = 1.5;
     const double dt = history_.empty() ? 0.0 : to_seconds(reading.t - history_.newest().t);
-    const Vector3 felt_W = now_.X_WS.q() * reading.force_B;
-    felt_W_ += std::min(1.0, dt / fast_s) * (felt_W - felt_W_);
-    felt_slowly_W_ += std::min(1.0, dt / slow_s) * (felt_W - felt_slowly_W_);
-    const double fast = (felt_W_ + settings_.gravity_W).norm(), slow = (felt_slowly_W_ + settings_.gravity_W).norm();
-    if (wrong_gravity_) {
-      wrong_gravity_ = fast > 0.5 * fast_limit || slow > 0.5 * slow_limit;
-    } else if (fast > fast_limit || slow > slow_limit) {
-      wrong_gravity_ = true;
-      state_.bias.force_B.setZero();  // what was learnt of it, and of the pose meanwhile, is in doubt
-      P_.middleRows<3>(InertialState::force_bias).setZero();
-      P_.middleCols<3>(InertialState::force_bias).setZero();
-      set_deviation(P_, InertialState::force_bias, settings_.force_bias);
-      doubt_pose(0.2);
-    }
+    if (!gravity_.feel(now_.X_WS.q() * reading.force_B, dt)) return;
+    state_.bias.force_B.setZero();  // what was learnt of it, and of the pose meanwhile, is in doubt
+    P_.middleRows<3>(InertialState::force_bias).setZero();
+    P_.middleCols<3>(InertialState::force_bias).setZero();
+    set_deviation(P_, InertialState::force_bias, settings_.force_bias);
+    doubt_pose(0.2);
   }
 
   /// Numbers for the axes that are not believed. What is saturated is at least that much.
@@ -398,12 +369,12 @@ class RangeAidedIns {
   InertialState state_, now_;
   StrapdownCovariance P_ = StrapdownCovariance::Zero();
   BelievedAxes believed_;
-  Vector3 felt_W_ = Vector3::Zero(), felt_slowly_W_ = Vector3::Zero();  ///< force, averaged
+  FeltGravity gravity_;
   HostTime newest_ = HostTime::min(), backwards_until_ = HostTime::min(), aided_;
   double nis_ = std::numeric_limits<double>::quiet_NaN();
   int readings_ahead_ = 0;
   int misfits_ = 0;  ///< inputs in a row of a wrong time
-  bool started_ = false, wrong_gravity_ = false;
+  bool started_ = false;
   RangeAidedInsCounts counts_;
 };
 

@@ -25,6 +25,7 @@
 #include <holdfast/tracking/device_table.hpp>
 #include <holdfast/tracking/dipole_field.hpp>
 #include <holdfast/tracking/fading_polynomial.hpp>
+#include <holdfast/tracking/felt_gravity.hpp>
 #include <holdfast/tracking/head_dynamics.hpp>
 #include <holdfast/tracking/heard_codes.hpp>
 #include <holdfast/tracking/inertial_axes.hpp>
@@ -74,6 +75,7 @@
 #include <holdfast/tracking/sighting_noise.hpp>
 #include <holdfast/tracking/space_resection.hpp>
 #include <holdfast/tracking/strapdown_covariance.hpp>
+#include <holdfast/tracking/strapdown_pose.hpp>
 #include <holdfast/tracking/target_state.hpp>
 #include <holdfast/tracking/three_point_resection.hpp>
 #include <holdfast/tracking/time_of_flight.hpp>

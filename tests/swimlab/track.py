@@ -440,7 +440,7 @@ class Ranges(Case):
                 ("ranges", "t_s,anchor_id,range_m\n0.1,0,far\n", "bad.csv:2", "range_m", "'far'", "finite number"),
                 ("ranges", "t_s,anchor_id,range_m\n0.2,0,2\n0.1,0,2\n", "bad.csv:3", "t_s", "back in time"),
                 ("anchors", "id,x,y\n0,1,2\n", "bad.csv:1", "z", "id,x_m,y_m,z_m"),
-                ("imu", "t_s,gx_deg_s,gy,gz,ax,ay,az\n0,0,0,0,0,0,0\n", "bad.csv:1", "gx_deg_s", "degrees"),
+                ("imu", "t_s,gx_deg_s,gy,gz,ax,ay,az\n0,0,0,0,0,0,0\n", "bad.csv:1", "gx_deg_s", "not in rad/s"),
                 ("imu", "t_s,gx,gy,gz,ax,ay,az\n0,0,0,0,0,0\n", "bad.csv:2", "6 cells"),
                 ("truth", "0 0 0 1 0 0 0 1\n1 0 oops 1 0 0 0 1\n", "bad.csv:2", "oops"),
                 ("truth", "90 0 0 1 0 0 0 1\n91 0 0 1 0 0 0 1\n", "bad.csv", "shares no time")]:

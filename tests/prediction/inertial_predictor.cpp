@@ -77,9 +77,9 @@ TEST_CASE("an error's spread holds 95 % of errors, Gaussian or heavy-tailed, ste
         if (kind == 2) size = 1.0 + 0.9 * std::sin(0.003 * i);         // calm and quick by turns
         turn *= size;
         move *= size;
-        // The least: the true size, as a filter would know it that is right.
-        const Matrix3 of_turn = spread.turn_covariance(turn_noise, 3.4 * size * size);
-        const Matrix3 of_move = spread.move_covariance(move_noise, 3.3 * size * size);
+        // The least: a part of the mean size, as a filter knows it that does not know of what its model leaves out.
+        const Matrix3 of_turn = spread.turn_covariance(turn_noise, 0.5 * 3.4);
+        const Matrix3 of_move = spread.move_covariance(move_noise, 0.5 * 3.3);
         const Vector3 turn_weighted = of_turn.inverse() * turn, move_weighted = of_move.inverse() * move;
         inside += turn.dot(turn_weighted) + move.dot(move_weighted) < 12.592 ? 1 : 0;
         spread.add(turn + noise.orientation_rad * three(), move + noise.position_m * three(), of_turn, of_move, noise,
@@ -89,8 +89,8 @@ TEST_CASE("an error's spread holds 95 % of errors, Gaussian or heavy-tailed, ste
       CAPTURE(kind);
       CAPTURE(noise.position_m);
       // Without noise every error teaches the factor. Of errors a third to a tenth of the noise a second cannot tell the
-      // size to better than the size itself, and the moment's chance is all on the cautious side.
-      CHECK(percent > (turn_noise > 0.0 ? 90.0 : 94.0));
+      // size to better than the size itself, and the least is half of it.
+      CHECK(percent > (turn_noise > 0.0 ? 85.0 : 94.0));
       CHECK(percent < (turn_noise > 0.0 ? 99.5 : 96.0));
     }
   }
@@ -337,6 +337,39 @@ TEST_CASE("readings that are rare and late teach all horizons") {
     far += angle_error(head, *motion, t + 40ms);
   }
   CHECK(near < 0.5 * far);  // an error that grows with the square of the time makes it a quarter
+}
+
+TEST_CASE("poses far noisier than believed at the start are not blamed on the clock or the biases") {
+  for (const std::string name : {"M4", "M5", "M6"}) {
+    std::mt19937 random(7);
+    std::normal_distribution<double> normal;
+    const auto three = [&](double deviation) {
+      return Vector3(deviation * Vector3(normal(random), normal(random), normal(random)));
+    };
+    const auto motion = make_motion(name);
+    InertialPredictor head;
+    const double turn_noise = degrees(0.3).radians();
+    const auto noisy = [&](const Rigid& X) {
+      return Rigid(X.q() * so3::exp<double>(three(turn_noise)), X.p() + three(3e-3));
+    };
+    const auto readings = inertial_stream(*motion, mems_inertial_unit());
+    std::size_t next = 0;
+    double sum = 0.0;
+    int count = 0;
+    for (HostTime t = motion->begin(); t + 200ms < motion->end(); t += 11ms) {
+      for (; next < readings.size() && readings[next].t <= t; ++next) head.update(readings[next]);
+      head.update(TimedPose{t, noisy(motion->at(t).X_WB)});
+      if (t < motion->begin() + 4s) continue;
+      const double error = angle_error(head, *motion, t + 20ms);
+      sum += error * error;
+      ++count;
+    }
+    CAPTURE(name);
+    // 0.3 degrees of 400 poses, against motions of some 20 deg/s and more, tell the offset to a millisecond or two.
+    CHECK(std::abs(to_seconds(head.filter().time_offset())) < 5e-3);
+    CHECK(head.filter().pose_noise().position_m == doctest::Approx(3e-3).epsilon(0.2));
+    CHECK(std::sqrt(sum / count) < turn_noise / 2.0);
+  }
 }
 
 TEST_CASE("while poses are missing the covariance grows as the errors do") {

@@ -1,7 +1,7 @@
 /// Collects the errors of one predictor over a recording, and sums them up.
 ///
-/// Units: of what is summed up, degrees and millimetres (001's). Bad input: precondition finite poses; a covariance that
-/// is not positive definite is not judged.
+/// Units: of what is summed up, degrees and millimetres (001's). Bad input: precondition finite poses; a prediction without
+/// covariance, all zeros, is not judged; one whose covariance is not positive definite counts as outside.
 #pragma once
 
 #include <algorithm>
@@ -62,11 +62,12 @@ struct RowRecorder {
     Matrix6 covariance = predicted.covariance;
     add_isotropic(covariance, truth.position_m, truth.orientation_rad);
     Matrix6 L;
-    if (!cholesky<6>(covariance, L)) return;
+    if (predicted.covariance.isZero(0.0)) return;
     Vector6 error;
     error << X_WB_true.p() - predicted.X_WB.p(), turned;
-    ++judged;
-    inside += squared_distance<6>(L, error) < 12.592 ? 1 : 0;  // 95 % of chi-squared with 6 degrees of freedom
+    ++judged;                         // a covariance that is none holds nothing
+    constexpr double limit = 12.592;  // 95 % of chi-squared with 6 degrees of freedom
+    inside += cholesky<6>(covariance, L) && squared_distance<6>(L, error) < limit ? 1 : 0;
   }
 
   [[nodiscard]] PredictorRow finish(double rate_hz) && {

@@ -1,7 +1,8 @@
 /// How far predictions were off of late, and the covariance to expect of the next.
 ///
 /// Errors are seen against measured poses, so the poses' noise is in them. The second moment of about one second's
-/// errors, less that noise, but no less than what a filter says of its own state: evened out among the axes by a part,
+/// errors, less almost all of that noise (a filter that errs takes some of its own for the poses'), but no less than what
+/// the filter says of its own state: evened out among the axes by a part,
 /// since so few do not tell a direction; times a factor that is moved by every error until 95 % of them lie inside the
 /// ellipsoid, noise added, that should hold 95 %: up by a step when one is outside, down by 5/95 of it when inside.
 /// That holds whatever the errors' distribution (adaptive conformal inference, Gibbs & Candes 2021). Where noise is
@@ -66,9 +67,9 @@ class ErrorSpread {
     moment = fade * moment + (1.0 - fade) * std::min(1.0, largest / squared) * error * error.transpose();
   }
   [[nodiscard]] Matrix3 covariance(const Matrix3& moment, double noise, double least) const {
-    constexpr double even = 0.3;
-    const double size = moment.trace() / 3.0;
-    const double wanted = factor_ * std::min(size, std::max(size - noise, least));
+    constexpr double even = 0.3, believed = 0.985;
+    const double size = moment.trace() / 3.0 + 1e-16;  // errors that are exactly zero leave nothing to divide by
+    const double wanted = factor_ * std::min(size, std::max(size - believed * noise, least));
     Matrix3 covariance = (1.0 - even) * wanted / size * moment;
     covariance.diagonal().array() += even * wanted + 1e-16;
     return covariance;

@@ -61,10 +61,11 @@ class HorizonLearner {
   }
 
   /// Call it with each measured pose that is believed. `noise`: what the poses' was found to be; `usual`: how uncertain
-  /// the filter usually is after a pose.
-  void learn(const TimedPose& pose, const PoseNoise& noise, const PoseSpread& usual) {
+  /// the filter usually is after a pose, and `usual_age_s` how old that is when something is predicted.
+  void learn(const TimedPose& pose, const PoseNoise& noise, const PoseSpread& usual, double usual_age_s) {
     noise_ = noise;
     usual_ = usual;
+    usual_age_s_ = usual_age_s;
     const double since = learnt_ ? std::max(0.0, to_seconds(pose.t - learnt_until_)) : 0.0;
     learnt_ = true;
     learnt_until_ = pose.t;
@@ -169,10 +170,12 @@ class HorizonLearner {
     const Learner& learner = learners_[k];
     const MotionTrend::TurnWeights of_turn = learner.turn.solve(usual_turn_weights(), s.ridge, turn);
     const MotionTrend::MoveWeights of_move = learner.move.solve(usual_move_weights(), s.ridge, move);
-    weights_[k] = {of_turn.cwiseMax(-largest_weight).cwiseMin(largest_weight),
-                   of_move.cwiseMax(-largest_weight).cwiseMin(largest_weight),
-                   learner.spread.turn_covariance(noise_.orientation_rad * noise_.orientation_rad, usual_.turn_rad2(h)),
-                   learner.spread.move_covariance(noise_.position_m * noise_.position_m, usual_.place_m2(h))};
+    weights_[k] = {
+        of_turn.cwiseMax(-largest_weight).cwiseMin(largest_weight),
+        of_move.cwiseMax(-largest_weight).cwiseMin(largest_weight),
+        learner.spread.turn_covariance(noise_.orientation_rad * noise_.orientation_rad,
+                                       usual_.turn_rad2(usual_age_s_ + h)),
+        learner.spread.move_covariance(noise_.position_m * noise_.position_m, usual_.place_m2(usual_age_s_ + h))};
   }
 
   HorizonLearnerSettings settings_;
@@ -185,6 +188,7 @@ class HorizonLearner {
   HostTime learnt_until_;
   PoseNoise noise_{0.0, 0.0};  ///< of the newest pose
   PoseSpread usual_;
+  double usual_age_s_ = 0.0;
 };
 
 }  // namespace holdfast

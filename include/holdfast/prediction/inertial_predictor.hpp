@@ -207,7 +207,7 @@ class InertialPredictor {
   void learn(const TimedPose& pose, InertialPoseUpdate status) {
     uncertainty_.update(filter_, status);
     if (status == InertialPoseUpdate::updated) {
-      learner_.learn(pose, filter_.pose_noise(), uncertainty_.usual());
+      learner_.learn(pose, filter_.pose_noise(), uncertainty_.usual(), uncertainty_.usual_age_s());
     } else {
       learner_.forget_moments();
     }

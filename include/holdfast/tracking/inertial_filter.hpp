@@ -34,7 +34,9 @@
 namespace holdfast {
 
 struct InertialFilterSettings : InertialProcessSettings {
-  PoseNoise noise{2e-4, 5e-4};  ///< of the measured poses, to begin with
+  /// Of the measured poses, to begin with, and found within some ten poses. Rather too much: noise that is taken for
+  /// none is blamed on time offset and biases, which then stay wrong.
+  PoseNoise noise{2e-3, 5e-3};
   // Standard deviations at the start.
   double speed_m_s = 2.0, rate_bias = 0.05, force_bias = 0.2, gravity = 1.5, time_offset_s = 0.01, lever_m = 0.03;
   Duration longest_gap = std::chrono::milliseconds(500);  ///< between poses; then it starts anew
@@ -141,6 +143,8 @@ class InertialFilter {
   void forget_readings() {
     history_.clear();
     rate_trend_.restart();
+    place_balance_.restart();
+    turn_balance_.restart();
     P_.row(InertialState::offset).setZero();
     P_.col(InertialState::offset).setZero();
     P_(InertialState::offset, InertialState::offset) = settings_.time_offset_s * settings_.time_offset_s;
@@ -245,7 +249,11 @@ class InertialFilter {
       place_noise_.add(residual.head<3>(), explained.head<3>().mean());
       turn_noise_.add(residual.tail<3>(), explained.tail<3>().mean());
     }
-    if (!accepted) return false;
+    if (!accepted) {
+      place_balance_.restart();
+      turn_balance_.restart();
+      return false;
+    }
     turn_balance_.add(residual.tail<3>(), innovation.diagonal().tail<3>().mean());
     if (uses_force_ && knows_gravity_) {
       place_balance_.add(residual.head<3>(), innovation.diagonal().head<3>().mean());

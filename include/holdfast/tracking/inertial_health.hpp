@@ -100,7 +100,7 @@ class TriadHealth {
 
 /// What an accelerometer feels in the world, on average: without the body's acceleration, which comes and goes, that is
 /// what stands against gravity. Units: m/s^2, s.
-/// Once it is wrong, two seconds in which it is right are enough to forget what was felt before, however wrong that was.
+/// Once it is wrong, two to four seconds in which it is right are enough to forget what was felt before, however wrong that was.
 class GravityCheck {
  public:
   void add(const Vector3& force_W, double since) {

@@ -26,7 +26,10 @@ class NoiseEstimate {
   /// deviations.
   void add(const Vector3& residual, double explained) {
     const double square = std::min(residual.squaredNorm() / 3.0, 25.0 * (explained + assumed_variance()));
-    variance_ += 0.01 * (square - explained - variance_);
+    // What is believed to begin with is a guess, and worth two; but while the state settles, residuals are not all noise.
+    weight_ = std::max(0.01, weight_ / (1.0 + weight_));
+    const double more = square - explained - variance_;
+    variance_ += (more < 0.0 ? weight_ : 0.01) * more;
     variance_ = std::max(variance_, 0.01 * smallest_);
   }
 
@@ -36,6 +39,7 @@ class NoiseEstimate {
 
  private:
   double smallest_ = 0.0, variance_ = 0.0;
+  double weight_ = 0.5;  ///< of the newest
 };
 
 class InnovationBalance {

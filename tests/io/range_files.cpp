@@ -87,14 +87,16 @@ TEST_CASE("units in the names are heeded") {
     check_says(inertial_complaint("t," + column + ",gy,gz,ax,ay,az\n0,0,0,0,0,0,0\n"),
                {"i.csv:1", column, "not in rad/s", "gx_rad_s"});
   }
-  for (const std::string column : {"ax_g", "ax [g]", "ax (mg)", "ax [cm/s^2]", "ax [mm s^-2]"}) {
+  for (const std::string column : {"ax_g", "ax [g]", "ax (mg)", "ax [cm/s^2]", "ax [mm s^-2]", "ax [ft/s^2]"}) {
     check_says(inertial_complaint("t,gx,gy,gz," + column + ",ay,az\n0,0,0,0,0,0,0\n"),
                {"i.csv:1", column, "not in m/s^2", "ax_m_s2"});
   }
-  const auto right =
-      io::parse_inertial("t [s],gx [rad/s],gy (rad/s),gz,ax [m/s^2],ay (m/s2),az\n0,1,2,3,4,5,6\n", "i.csv");
-  CHECK(right[0].rate_B == Vector3(1.0, 2.0, 3.0));
-  CHECK(right[0].force_B == Vector3(4.0, 5.0, 6.0));
+  for (const char* right : {"t [s],gx [rad/s],gy (rad/s),gz,ax [m/s^2],ay (m/s2),az\n",
+                            "t,gx (body frame),gy [radians/s],gz [rad/second],ax (body frame),ay [meters/s^2],az\n"}) {
+    const auto read = io::parse_inertial(right + std::string("0,1,2,3,4,5,6\n"), "i.csv");
+    CHECK(read[0].rate_B == Vector3(1.0, 2.0, 3.0));
+    CHECK(read[0].force_B == Vector3(4.0, 5.0, 6.0));
+  }
 }
 
 TEST_CASE("bad input names file, line, column, value and expectation") {

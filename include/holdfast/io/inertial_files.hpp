@@ -39,24 +39,25 @@ namespace detail {
 
 using UnitWords = std::initializer_list<std::string_view>;
 
-/// Whether a column's name says another unit than it should. In brackets stands a unit, of which every word has to be
-/// among `right`; elsewhere a word that is among `wrong` is one.
+/// Whether a column's name says another unit than it should: in brackets, a word that is among `wrong` or, beside one that is
+/// among `right`, one that is not; elsewhere a word that is among `wrong`. (What stands in brackets may be a frame, too.)
 [[nodiscard]] inline bool is_of_other_unit(std::string_view name, UnitWords right, UnitWords wrong) {
   const auto is_among = [](std::string_view word, UnitWords words) {
     return std::find(words.begin(), words.end(), word) != words.end();
   };
   std::string word;
-  bool in_brackets = false;
+  bool is_right = false, is_other = false;  // of the words in one pair of brackets
   for (const char c : std::string(name) + ' ') {
     const char lower = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
     if ((lower >= 'a' && lower <= 'z') || is_digit(c)) {
       word += lower;
       continue;
     }
-    if (!word.empty() && (in_brackets ? !is_among(word, right) : is_among(word, wrong))) return true;
+    if (is_among(word, wrong)) return true;
+    (is_among(word, right) ? is_right : is_other) |= !word.empty();
     word.clear();
-    if (c == '[' || c == '(') in_brackets = true;
-    if (c == ']' || c == ')') in_brackets = false;
+    if (c == '[' || c == '(') is_right = is_other = false;
+    if ((c == ']' || c == ')') && is_right && is_other) return true;
   }
   return false;
 }
@@ -82,10 +83,14 @@ struct InertialFile {
 [[nodiscard]] inline InertialFile parse_inertial(std::string_view text, const std::string& file, ReadMode mode) {
   detail::NamedColumns rows(text, file, "t_s,gx_rad_s,gy_rad_s,gz_rad_s,ax_m_s2,ay_m_s2,az_m_s2");
   const detail::NamedColumn t = detail::time_column(rows);
-  const auto rate = detail::axes_columns(rows, {"g", "gyr", "gyro", "w", "omega"}, {"rad", "s", "sec", "1", "per"},
-                                         {"deg", "degree", "degrees", "dps", "mdps", "mrad", "rpm"}, "is not in rad/s");
-  const auto force = detail::axes_columns(rows, {"a", "acc", "accel"}, {"m", "s", "sec", "s2", "2", "per"},
-                                          {"g", "mg", "ug", "gs", "cm", "mm", "gal"}, "is not in m/s^2");
+  const auto rate =
+      detail::axes_columns(rows, {"g", "gyr", "gyro", "w", "omega"},
+                           {"rad", "rads", "radian", "radians", "s", "sec", "second", "seconds", "1", "per"},
+                           {"deg", "degs", "degree", "degrees", "dps", "mdps", "mrad", "rpm"}, "is not in rad/s");
+  const auto force = detail::axes_columns(
+      rows, {"a", "acc", "accel"},
+      {"m", "meter", "meters", "metre", "metres", "s", "sec", "second", "seconds", "s2", "2", "per", "squared"},
+      {"g", "mg", "ug", "gs", "cm", "mm", "gal"}, "is not in m/s^2");
   InertialFile result;
   HostTime newest = HostTime::min();
   for (bool more = true; more;) {

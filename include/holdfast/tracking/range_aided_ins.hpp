@@ -47,6 +47,7 @@ class RangeAidedIns {
                 const RangeAidedInsSettings& settings = {})
       : settings_(settings), gate_(settings.gate), axes_(settings.ranges), history_(256), gravity_(settings.gravity_W) {
     HOLDFAST_ASSERT(!beacons.empty() && !receivers.empty(), "ranges need a beacon and a receiver");
+    HOLDFAST_ASSERT(!settings.gate.problem(), "bad settings of the gate");
     HOLDFAST_ASSERT(settings.rate_noise > 0.0 && settings.force_noise > 0.0 && settings.range_noise_m > 0.0,
                     "sensors without noise");
     for (const CodedBeacon& beacon : beacons) beacons_W_.push_back(beacon.p_W);
@@ -338,7 +339,7 @@ class RangeAidedIns {
     nis_ = residual * residual / (explained + linear.R(0, 0) + systematic);
     if (gate_.judge(nis_, 1, nullptr) != GateVerdict::accepted) {
       ++counts_.ranges_gated;
-      if (gate_.rejected_in_a_row() % settings_.gate.patience == 0) doubt_itself();
+      if (gate_.rejected_in_a_row() % std::max(1, settings_.gate.patience) == 0) doubt_itself();
       return RangeUpdate::gated;
     }
     HostTime& heard = heard_[beacon * receivers_S_.size() + receiver];

@@ -18,8 +18,9 @@ if(HOLDFAST_WARNINGS_AS_ERRORS)
   target_compile_options(holdfast_development INTERFACE -Werror)
 endif()
 if(HOLDFAST_SANITIZE_MEMORY)
-  # What AddressSanitizer finds by itself is not looked for twice: it is a third of the time to compile.
-  set(HOLDFAST_SANITIZERS -fsanitize=address,undefined -fno-sanitize=null,object-size,vptr -fno-sanitize-recover=all
+  # Reads and writes through null, or beyond an object, AddressSanitizer finds by itself: to look for them twice is a quarter of
+  # the time to compile.
+  set(HOLDFAST_SANITIZERS -fsanitize=address,undefined -fno-sanitize=null,object-size -fno-sanitize-recover=all
     -fno-omit-frame-pointer)
 elseif(HOLDFAST_SANITIZE_THREADS)
   set(HOLDFAST_SANITIZERS -fsanitize=thread)

@@ -1,6 +1,7 @@
 /// swimlab track constellation: what simulated installations show of errors, acquisition and auto-mapping.
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include <holdfast/registration/acquisition_experiment.hpp>
 #include <holdfast/registration/mapping_experiment.hpp>
@@ -196,7 +197,8 @@ ConstellationStudy study_sensitivity(const StudyOptions& o, const InterruptionWa
   draw(study, sources);
   study.title =
       "Table 1's errors put a receiver off by " + span_of(sources[0], &SensitivityRow::error_mm, "%.1f to %.1f mm");
-  study.about = text_of("%d installations, seed %d; mean error by height", o.trials, static_cast<int>(o.seed));
+  study.about =
+      text_of("%d installations, seed %llu; mean error by height", o.trials, static_cast<unsigned long long>(o.seed));
   study.paragraphs = {
       "Beacons hang some millimetres beside their places, the air is warmer than believed, transducers answer late, "
       "and "
@@ -264,7 +266,8 @@ ConstellationStudy study_acquisition(const StudyOptions& o, const InterruptionWa
         peak_deg = std::max(peak_deg, degrees_per_rad * row.angle.peak());
       }
       const int right = sum.acquired - sum.false_poses;
-      const double n = std::max(1, right);
+      // Of none there is no error.
+      const double n = right > 0 ? right : std::numeric_limits<double>::quiet_NaN();
       const auto percent = [&](int count) { return 100.0 * count / sum.trials; };
       tries += sum.trials;
       false_poses += sum.false_poses;
@@ -276,10 +279,10 @@ ConstellationStudy study_acquisition(const StudyOptions& o, const InterruptionWa
       json["codes"] = codes[c];
       json["wrong_pct"] = 100.0 * wrong[w];
       json["position_mm"] = {{"rms", io::number_or_null(std::sqrt(square_mm2 / n))},
-                             {"peak", io::number_or_null(peak_mm)},
+                             {"peak", io::number_or_null(right > 0 ? peak_mm : n)},
                              {"mean", io::number_or_null(position_mm / n)}};
       json["angle_deg"] = {{"rms", io::number_or_null(std::sqrt(square_deg2 / n))},
-                           {"peak", io::number_or_null(peak_deg)},
+                           {"peak", io::number_or_null(right > 0 ? peak_deg : n)},
                            {"mean", io::number_or_null(angle_deg / n)}};
       json["updates"] = sum.trials;
       json["accepted"] = sum.acquired;
@@ -309,10 +312,10 @@ ConstellationStudy study_acquisition(const StudyOptions& o, const InterruptionWa
                     text_of("%.1f %% right, %.0f ms", clean_share[1], clean_ms[1])},
                    {"Sixteen codes, as it planned", "1820 4-tuples",
                     text_of("%.1f %% right, %.0f ms", clean_share[0], clean_ms[0])}};
-  study.title = false_poses == 0 ? text_of("Of %d acquisitions none was false", tries)
-                                 : text_of("Of %d acquisitions %d were false", tries, false_poses);
-  study.about =
-      text_of("%d tries of each of %d seeds from %d, under 289 beacons", o.trials, seeds, static_cast<int>(o.seed));
+  study.title = false_poses == 0 ? text_of("Of %d tries none gave a false pose", tries)
+                                 : text_of("Of %d tries %d gave a false pose", tries, false_poses);
+  study.about = text_of("%d tries of each of %d seeds from %llu, under 289 beacons", o.trials, seeds,
+                        static_cast<unsigned long long>(o.seed));
   study.paragraphs = {
       "A tracker that was just switched on hears codes, and knows nothing. Codes repeat all over a large room. Where "
       "do four "
@@ -349,7 +352,8 @@ ResultJson mapping_row(const Room& kind, std::uint64_t seed, const MappingRow& r
   json["updates"] = row.ranges;
   json["accepted"] = row.ranges - row.gated;
   json["gated"] = row.gated;
-  json["beacon_error_mm"] = {{"before", io::number_or_null(first_mm)}, {"after", io::number_or_null(row.mean_mm)}};
+  json["beacon_error_mm"] = {{"before", io::number_or_null(first_mm)},
+                             {"after", row.installed > 0 ? io::number_or_null(row.mean_mm) : ResultJson(nullptr)}};
   json["worst_mm"] = io::number_or_null(row.worst_mm);
   json["installed"] = row.installed;
   json["nees"] = io::number_or_null(row.nees);
@@ -410,7 +414,7 @@ ConstellationStudy study_mapping(const StudyOptions& o, const InterruptionWatch&
                              rounded(row.nees, 0.01)});
       chart["rows"].push_back(
           {{"group", kinds[k].words},
-           {"label", text_of("room %d", static_cast<int>(seed))},
+           {"label", text_of("room %llu", static_cast<unsigned long long>(seed))},
            {"values", {rounded(first_mm, 0.01), rounded(row.mean_mm, 0.01), rounded(row.worst_mm, 0.01)}}});
     }
   }
@@ -420,8 +424,8 @@ ConstellationStudy study_mapping(const StudyOptions& o, const InterruptionWatch&
                    {"Approximate positions at first", "not given", text_of("%.0f mm off at most", worst_first_mm)},
                    {"After refinement", "feasible, it says", text_of("%.1f mm off at most", worst_mm)}};
   study.title = text_of("New beacons end within %.1f mm of where they hang", worst_mm);
-  study.about = text_of("9 new beacons, a seed of three, a walk of %.0f s, %d rooms from seed %d", o.seconds, o.trials,
-                        static_cast<int>(o.seed));
+  study.about = text_of("9 new beacons, a seed of three, a walk of %.0f s, %d rooms from seed %llu", o.seconds,
+                        o.trials, static_cast<unsigned long long>(o.seed));
   study.paragraphs = {
       "Three beacons are measured, all others are hung anywhere. Whoever walks about beneath them finds out where: "
       "ranges "

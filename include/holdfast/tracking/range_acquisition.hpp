@@ -4,10 +4,12 @@
 /// has this combination of beacons suggests poses (range_hypotheses.hpp); every other range is asked, and the pose that most
 /// agree with wins (range_verdict.hpp). A rival with as many, or nearly, means ambiguous. A tuple with wrong ranges (an echo, an
 /// early pulse) finds no such pose, and the next one has its turn.
-/// Four codes are needed: each receiver is placed by itself, and three spheres meet in two points whatever their radii, so that
+/// Four codes are needed: each receiver is placed by itself, and three spheres nearly always meet in two points, so that
 /// three ranges to it contradict nothing; the fourth tells a wrong place, or a wrong range, from the right one. (Three receivers
 /// together and the vertical would contradict too, enough for three beacons with codes of their own; that is not done.)
 /// Orientation needs three receivers that are not in one line, or two and the vertical, or one with vertical and heading.
+/// A code counts as heard from the nearest beacon that has it. So pass the beacons of one room: behind a wall a nearer one would
+/// make the range that was really heard count as wrong, and with many of those there is no pose.
 /// Codes that no beacon of the constellation has are left out. Ranges count as simultaneous; `sigma_m` must cover motion,
 /// and systematic errors. Allocates: for once, not for every frame.
 /// Bad input: RangeAcquisitionStatus names why there is no pose.

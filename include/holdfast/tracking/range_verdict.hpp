@@ -6,7 +6,7 @@
 /// eight codes in hundreds of places, a wrong pose finds some beacon for most ranges.) Ranges that agree are taken into the
 /// pose, first those that only one beacon explains, and all are asked again, until nothing changes. Then the pose must pass
 /// chi-square with all of them.
-/// Where a nearer beacon is hidden, the further one's range counts as wrong: that costs agreement, never a false pose.
+/// Where a nearer beacon is hidden, the further one's range counts as wrong: that costs agreement.
 /// Allocates. Bad input: poses that are not finite agree with nothing.
 #pragma once
 

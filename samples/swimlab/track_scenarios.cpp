@@ -105,7 +105,10 @@ class Scenario {
       if (c.informed && is_second_run(method)) continue;
       tell_(told(c.name, method));
       TrackParameters parameters = parameters_of(method, c.tuning);
-      if (!c.gate) parameters.gate.probability = 1.0;
+      if (!c.gate) {
+        parameters.gate.probability = 1.0;
+        parameters.manoeuvre = {};  // or each wrong name would rouse it
+      }
       if (!c.rename) parameters.renamed_in_a_row = 0;
       rows_.push_back(measured(c, method, parameters));
     }

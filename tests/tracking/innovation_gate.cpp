@@ -138,6 +138,32 @@ TEST_CASE("gate: opens when everything is rejected, blames no device for it, and
   CHECK(gate.window() == settings.widest);
 }
 
+TEST_CASE(
+    "gate: lost is a filter that most speaks against, not only one that all does; not one with wrong names among "
+    "good") {
+  const GateSettings settings;
+  const auto judged_until_lost = [&](int good_of_ten) {
+    InnovationGate gate = proven_gate(settings);
+    int judged = 0;
+    for (; !gate.lost() && judged < 10000; ++judged) {
+      gate.judge(judged % 10 < 10 - good_of_ten ? 1e6 : 1.0, 2, nullptr);
+    }
+    return judged;
+  };
+  CHECK(judged_until_lost(0) == settings.lost_after);
+  CHECK(judged_until_lost(1) == settings.lost_after + settings.lost_after / 9);
+  CHECK(judged_until_lost(8) == 10000);
+  CHECK(judged_until_lost(5) == 10000);
+
+  // Trusted again it is not lost, whatever was before.
+  InnovationGate gate = proven_gate(settings);
+  while (!gate.lost()) gate.judge(1e6, 2, nullptr);
+  gate.judge(1.0, 2, nullptr);
+  CHECK(gate.lost());
+  while (!gate.trusted()) gate.judge(1.0, 2, nullptr);
+  CHECK_FALSE(gate.lost());
+}
+
 TEST_CASE("gate: bad settings are named") {
   CHECK_FALSE(GateSettings().problem());
   GateSettings s;

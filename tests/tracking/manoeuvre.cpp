@@ -63,4 +63,8 @@ TEST_CASE("manoeuvre: bad settings are named") {
   CHECK(ManoeuvreSettings{.threshold = std::nan("")}.problem());
   CHECK(ManoeuvreSettings{.memory = 0.5}.problem());
   CHECK(ManoeuvreSettings{.largest = 0.0}.problem());
+  const double inf = std::numeric_limits<double>::infinity();
+  CHECK(ManoeuvreSettings{.threshold = inf}.problem());
+  CHECK(ManoeuvreSettings{.memory = inf}.problem());
+  CHECK(ManoeuvreSettings{.largest = inf}.problem());
 }

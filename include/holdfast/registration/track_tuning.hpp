@@ -36,7 +36,7 @@ struct TrainingRun {
 };
 
 inline constexpr double lost_cost = 1.0;  ///< m
-inline constexpr long lost_after = 50;    ///< windows, as many as rejections in a row make a gate say so
+inline constexpr long lost_after = 50;    ///< windows, as many as rejections make a gate say so
 
 /// In the order of the list above, starting from a method's settings: intensities within a thousand times. Empty for a
 /// method without a filter.
@@ -128,6 +128,7 @@ enum class DissertationCase {
     TrackParameters p = track_parameters(method);
     p.beacons.residual_variance.setZero();
     p.gate.probability = 1.0;  // 002 has none, and its R knows nothing of the beacons' errors
+    p.manoeuvre = {};          // nor does it have this
     p.process = PvModel::hiball(lateral, height, turns);
     p.beacons.wander.setConstant(dt * wander);
     p.beacons.initial_variance.setConstant(initial);

@@ -13,7 +13,8 @@
 ///     devices are not to blame for the filter's error, and never all be silenced at once.
 ///   A filter on probation. After `patience` rejections in a row `trusted` says no, until `filter_probation` measurements
 ///     were consistent at the window's normal width, as it does at the beginning. What it says meanwhile may be shown, not built upon.
-///     `lost` says that it should be found anew (acquisition): `lost_after` rejections in a row.
+///     `lost` says that it should be found anew (acquisition): `lost_after` rejections since it was last trusted. Not in a
+///     row: a filter that knows next to nothing takes one measurement in ten for its own, wherever it is.
 /// Settings: probability 1 switches the gate off. Units: the window is in squared standard deviations, so widest = 16
 /// reaches 4 times as far.
 /// Bad input: a normalised innovation squared that is not finite is rejected. `problem` names bad settings.
@@ -37,7 +38,7 @@ struct GateSettings {
   double widest = 16.0;      ///< window, in times the quantile
   int device_probation = 1;  ///< consistent measurements of a rejected device that do not count yet; 0 to 255
   int filter_probation = 10;
-  int lost_after = 50;
+  int lost_after = 50;  ///< rejections without being trusted in between
 
   [[nodiscard]] std::optional<std::string_view> problem() const {
     if (!(probability > 0.0 && probability <= 1.0)) return "the gate's probability is not in (0, 1]";
@@ -63,6 +64,7 @@ class InnovationGate {
     if (!(nis <= quantile(size) * window_)) return reject(probation);
     rejected_in_a_row_ = 0;
     consistent_ = window_ == 1.0 ? std::min(consistent_ + 1, settings_.filter_probation) : 0;
+    if (trusted()) rejected_since_trusted_ = 0;
     const bool device_to_blame = trusted() && unused_in_a_row_ < settings_.patience;
     if (probation != nullptr && *probation > 0) {
       --*probation;
@@ -84,7 +86,7 @@ class InnovationGate {
   [[nodiscard]] double window() const { return window_; }
   [[nodiscard]] int rejected_in_a_row() const { return rejected_in_a_row_; }
   [[nodiscard]] bool trusted() const { return consistent_ >= settings_.filter_probation; }
-  [[nodiscard]] bool lost() const { return rejected_in_a_row_ >= settings_.lost_after; }
+  [[nodiscard]] bool lost() const { return rejected_since_trusted_ >= settings_.lost_after; }
 
  private:
   [[nodiscard]] double quantile(int size) const {
@@ -95,6 +97,7 @@ class InnovationGate {
   GateVerdict reject(std::uint8_t* probation) {
     if (probation != nullptr && trusted()) *probation = static_cast<std::uint8_t>(settings_.device_probation);
     ++unused_in_a_row_;
+    ++rejected_since_trusted_;
     if (++rejected_in_a_row_ > settings_.patience) {
       consistent_ = 0;
       window_ = std::min(settings_.widest, window_ * settings_.widening);
@@ -106,6 +109,7 @@ class InnovationGate {
   std::array<double, 16> quantiles_{};
   double window_ = 1.0;
   int rejected_in_a_row_ = 0;
+  int rejected_since_trusted_ = 0;  ///< or since the last accepted one that left it trusted
   int unused_in_a_row_ = 0;
   int consistent_ = 0;  ///< measurements since the filter was last in doubt, as far as they matter
 };

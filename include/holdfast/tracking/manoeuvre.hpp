@@ -7,7 +7,9 @@
 /// newest `memory` measurements that are near: accepted, or such as the gate would take at its widest. Above `threshold`
 /// the process noise is raised by (mean / threshold)^2, up to `largest` times; all is as it was when the mean falls again
 /// (Bar-Shalom, Li and Kirubarajan 2001, section 11.2.2: continuous noise level adjustment). Wrong names do no harm: they
-/// are far off, a hundred deviations rather than five, and do not count (InnovationGate::is_near).
+/// are far off, a hundred deviations rather than five, and do not count (InnovationGate::is_near). With the gate switched off
+/// (its probability 1) nothing is far off: then they do rouse it, and it had better be off too.
+/// Noise that is raised lets a filter that is altogether wrong take more for its own: heed InnovationGate::lost.
 /// Threshold: of 20 measurements of two numbers the mean scatters by 0.16 about 1. So for filters as sure as they may be 1.5
 /// is right; less is for those that are told of more noise than there is, whose mean is below 1.
 /// Units: none. Bad input: `problem` names it. A threshold of 0, the default, never notices anything.
@@ -28,6 +30,7 @@ struct ManoeuvreSettings {
   [[nodiscard]] std::optional<std::string_view> problem() const {
     if (!(threshold >= 0.0)) return "a manoeuvre's threshold is negative";
     if (!(memory >= 1.0) || !(largest >= 1.0)) return "a manoeuvre's memory or largest noise is below 1";
+    if (!std::isfinite(threshold + memory + largest)) return "a manoeuvre's setting is not finite";
     return std::nullopt;
   }
 };

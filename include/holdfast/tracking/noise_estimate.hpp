@@ -26,10 +26,12 @@ class NoiseEstimate {
   /// deviations.
   void add(const Vector3& residual, double explained) {
     const double square = std::min(residual.squaredNorm() / 3.0, 25.0 * (explained + assumed_variance()));
-    // What is believed to begin with is a guess, and worth two; but while the state settles, residuals are not all noise.
-    weight_ = std::max(0.01, weight_ / (1.0 + weight_));
+    // What is believed to begin with is a guess, and worth two; but while the state settles, residuals are not all noise,
+    // and say little of it.
+    const double told = assumed_variance() / (explained + assumed_variance());
+    weight_ /= 1.0 + told * told * weight_;
     const double more = square - explained - variance_;
-    variance_ += (more < 0.0 ? weight_ : 0.01) * more;
+    variance_ += (more < 0.0 ? std::max(0.01, told * told * weight_) : 0.01) * more;
     variance_ = std::max(variance_, 0.01 * smallest_);
   }
 
